@@ -1,0 +1,53 @@
+# refdof: every task sets up .venv by itself; it needs git, make and Python 3.11 or newer.
+PYTHON ?= python3
+BIN := .venv/bin
+PYTEST := $(BIN)/python -m pytest
+
+.DEFAULT_GOAL := help
+
+help:  ## list the tasks
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+compare: .venv/run  ## compare every method with the reference on a built-in scene, into out/
+	$(BIN)/refdof compare --out out
+
+test: .venv/test  ## every test, compiled
+	$(PYTEST)
+
+fast: .venv/test  ## tests that are quick without compiling, on tiny pictures
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "fast"
+
+bounds: .venv/test  ## the same tests compiled with bounds checks
+	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast"
+
+lint: .venv/test  ## style, types and import layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+readme: .venv/run  ## make the README's picture anew
+	$(BIN)/refdof compare fence --out out/readme
+	cp out/readme/overview.png docs/overview.png
+
+clean:  ## remove the virtual environment and what was built
+	rm -rf .venv build *.egg-info out
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+
+.venv/run: .venv/bin/python pyproject.toml constraints.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	touch $@
+
+.venv/test: .venv/run
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint]'
+	touch $@
+
+.venv/peers: .venv/test
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[peers]'
+	touch $@
+
+peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
+
+.PHONY: help compare test fast bounds lint readme clean peers

@@ -1,0 +1,45 @@
+"""refdof: a CPU reference implementation of depth-of-field rendering.
+
+Conventions, everywhere:
+
+- Camera space: x right, y up, looking down -z. Depth is the planar distance along the optical axis, > 0; inf is
+  background.
+- Images are (H, W, 3) float32, linear Rec.709 RGB, row 0 on top; pixel (x, y) is sampled at (x + 0.5, y + 0.5).
+- Circle of confusion: signed radius in pixels, negative in front of the focal plane, positive behind it.
+- A lens sample v (unit disc, x right, y up) sees a point of circle c displaced by +c v, y up.
+"""
+
+from refdof import metrics
+from refdof._check import InputError
+from refdof.aperture import Aperture
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+from refdof.load import load_scene
+from refdof.methods import METHODS
+from refdof.reference import Reference, reference
+from refdof.rendering import Result, render
+from refdof.scene import Light, Material, Part, Scene
+from refdof.scenes import SCENES
+from refdof.view import View
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "METHODS",
+    "SCENES",
+    "Aperture",
+    "Camera",
+    "InputError",
+    "Light",
+    "Material",
+    "Part",
+    "Reference",
+    "Result",
+    "Scene",
+    "ThinLens",
+    "View",
+    "load_scene",
+    "metrics",
+    "reference",
+    "render",
+]

@@ -1,0 +1,168 @@
+"""Apertures: the shape of the opening inside the unit lens disc, and area-uniform points on it.
+
+The longest half-axis of every shape is the lens radius, so no point leaves the unit disc and circles of confusion
+bound every blur. A picture's brightness is an average over the opening: it does not change with the shape.
+
+References
+----------
+.. [1] Shirley & Chiu (1997), A Low Distortion Map Between Disk and Square, Journal of Graphics Tools 2(3).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_float, as_integer, as_number
+from refdof._jit import inline
+
+__all__ = ["Aperture", "concentric_disc"]
+
+_ARC_SEGMENTS = 64  # per curved blade; the area error of the inscribed chords is below 1e-4
+
+_S = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in range(1, 9))  # sine / phi, in powers of phi^2
+_C = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(1, 9))
+
+
+@dataclass(frozen=True, eq=False)
+class Aperture:
+    """An opening inside the unit disc. Make one with `disc`, `polygon` or `image`.
+
+    Attributes
+    ----------
+    boundary : (K, 2) float64
+        Corners counter-clockwise, such that all K triangles (centre, corner k, corner k + 1) have the same area;
+        empty for a full disc.
+    weights : (h, w) float64
+        Transmission over the square [-1, 1]^2, row 0 at the top; empty unless made from an image.
+    scale : (x, y)
+        Anamorphic squeeze, each in (0, 1].
+    """
+
+    boundary: Float
+    weights: Float
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    @classmethod
+    def disc(cls, ratio: float = 1.0) -> "Aperture":
+        """A full disc; `ratio` is width / height of the opening (anamorphic lens)."""
+        return cls(np.zeros((0, 2)), np.zeros((0, 0)), _squeeze(ratio))
+
+    @classmethod
+    def polygon(cls, blades: int, rotation: float = 0.0, curvature: float = 0.0, ratio: float = 1.0) -> "Aperture":
+        """A regular polygon whose corners lie on the lens circle.
+
+        Parameters
+        ----------
+        blades : int
+            Number of sides, 3 .. 64.
+        rotation : float
+            Counter-clockwise [degrees]; at 0 one corner points to the right.
+        curvature : float
+            0: straight blades; 1: the blades are arcs of the lens circle; between them, circular arcs
+            through the corners whose height is in proportion.
+        ratio : float
+            Width / height of the opening.
+        """
+        blades = as_integer("blades", blades, minimum=3, maximum=64)
+        rotation = math.radians(as_number("rotation", rotation))
+        curvature = as_number("curvature", curvature, minimum=0.0, maximum=1.0)
+        corners = _blade(blades, curvature)
+        turn = rotation + 2.0 * np.pi * np.arange(blades)[:, None] / blades
+        x = np.cos(turn) * corners[:, 0] - np.sin(turn) * corners[:, 1]
+        y = np.sin(turn) * corners[:, 0] + np.cos(turn) * corners[:, 1]
+        boundary = np.stack([x.ravel(), y.ravel()], axis=1)
+        return cls(boundary, np.zeros((0, 0)), _squeeze(ratio))
+
+    @classmethod
+    def image(cls, weights: Float, ratio: float = 1.0) -> "Aperture":
+        """An image as transmission: (h, w), >= 0, over the square around the lens disc, row 0 at the top.
+
+        The image is constant inside each texel. Texels whose centre lies outside the lens disc are opaque.
+        """
+        weights = as_float("weights", weights, (None, None), dtype=np.float64, minimum=0.0).copy()
+        height, width = weights.shape
+        x = (np.arange(width) + 0.5) / max(width, 1) * 2.0 - 1.0
+        y = 1.0 - (np.arange(height) + 0.5) / max(height, 1) * 2.0
+        weights[x[None, :] ** 2 + y[:, None] ** 2 > 1.0] = 0.0
+        if not weights.sum() > 0.0:
+            raise InputError("weights: no texel inside the lens disc lets light through; at least one must")
+        return cls(np.zeros((0, 2)), weights / weights.max(), _squeeze(ratio))
+
+    @property
+    def is_image(self) -> bool:
+        """True if made from an image, so that points carry weights."""
+        return self.weights.size > 0
+
+    def from_square(self, square: Float) -> Float:
+        """Map points of the unit square (N, 2) to the opening (N, 2), keeping areas in proportion.
+
+        For an image the points are spread over the full disc: weigh them with `transmission`.
+        """
+        square = as_float("square", square, (None, 2), dtype=np.float64, minimum=0.0)
+        if len(self.boundary):
+            sector = square[:, 0] * len(self.boundary)
+            k = np.minimum(sector.astype(np.int64), len(self.boundary) - 1)
+            along, r = (sector - k)[:, None], np.sqrt(square[:, 1])[:, None]
+            following = self.boundary[(k + 1) % len(self.boundary)]
+            points = r * ((1.0 - along) * self.boundary[k] + along * following)
+        else:
+            points = np.array([concentric_disc(u, v) for u, v in square]).reshape(-1, 2)
+        return points * np.asarray(self.scale)
+
+    def transmission(self, points: Float) -> Float:
+        """Weight (N,) of lens points (N, 2); 1 everywhere unless the aperture is an image."""
+        points = as_float("points", points, (None, 2), dtype=np.float64)
+        if not self.is_image:
+            return np.ones(len(points))
+        height, width = self.weights.shape
+        x, y = (points / np.asarray(self.scale)).T
+        column = np.clip(((x + 1.0) / 2.0 * width).astype(np.int64), 0, width - 1)
+        row = np.clip(((1.0 - y) / 2.0 * height).astype(np.int64), 0, height - 1)
+        return self.weights[row, column]
+
+
+@inline
+def concentric_disc(u, v):
+    """Area-uniform point (x, y) of the unit disc from a point of the unit square, [1].
+
+    Sine and cosine are Taylor polynomials on [-pi/4, pi/4] (error below 1e-15), so that no machine's
+    mathematics library changes a bit.
+    """
+    a, b = 2.0 * u - 1.0, 2.0 * v - 1.0
+    steep = abs(a) > abs(b)
+    r = a if steep else b
+    other = b if steep else a
+    phi = (np.pi / 4.0) * (other / (r if r != 0.0 else 1.0))
+    p = phi * phi
+    sine = _S[4] + p * (_S[5] + p * (_S[6] + p * _S[7]))
+    sine = 1.0 + p * (_S[0] + p * (_S[1] + p * (_S[2] + p * (_S[3] + p * sine))))
+    cosine = _C[4] + p * (_C[5] + p * (_C[6] + p * _C[7]))
+    cosine = 1.0 + p * (_C[0] + p * (_C[1] + p * (_C[2] + p * (_C[3] + p * cosine))))
+    along, across = r * cosine, r * phi * sine
+    return (along if steep else across), (across if steep else along)
+
+
+def _squeeze(ratio: float) -> tuple[float, float]:
+    ratio = as_number("ratio", ratio, above=0.0)
+    return min(1.0, ratio), min(1.0, 1.0 / ratio)
+
+
+def _blade(blades: int, curvature: float) -> Float:
+    """Corners (S, 2) of the first blade, from angle 0 up to but without 2 pi / blades, at equal sector areas."""
+    if curvature < 1e-12:  # an arc lower than this is straight to the last digits
+        return np.array([[1.0, 0.0]])
+    half = math.pi / blades
+    sagitta = curvature * (1.0 - math.cos(half))  # height of the arc above the straight blade
+    chord = math.sin(half)
+    radius = (chord * chord + sagitta * sagitta) / (2.0 * sagitta)
+    # Walk the arc in small steps, then cut it where the swept area is a multiple of the whole / S.
+    opening = math.asin(min(1.0, chord / radius))
+    swing = np.linspace(-opening, opening, 64 * _ARC_SEGMENTS + 1)
+    top = math.cos(half) + sagitta  # of the arc, along the blade's middle
+    # radius (1 - cos) as 2 radius sin^2 of the half: a flat arc's huge radius then cancels nothing.
+    x, y = top - 2.0 * radius * np.sin(swing / 2.0) ** 2, radius * np.sin(swing)
+    area = np.concatenate([[0.0], np.cumsum(x[:-1] * y[1:] - x[1:] * y[:-1])])
+    cut = np.interp(np.linspace(0.0, area[-1], _ARC_SEGMENTS + 1)[:-1], area, swing)
+    x, y = top - 2.0 * radius * np.sin(cut / 2.0) ** 2, radius * np.sin(cut)
+    return np.stack([math.cos(half) * x - math.sin(half) * y, math.sin(half) * x + math.cos(half) * y], axis=1)

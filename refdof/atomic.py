@@ -1,0 +1,67 @@
+"""Atomic output: a file is written under another name beside its target and then renamed.
+
+A reader, an interrupted run or a full disk never meets half a file: until the rename the old file stays as
+it was.
+"""
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from refdof._check import InputError
+
+__all__ = ["atomic_path", "write_text"]
+
+
+@contextmanager
+def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterator[Path]:
+    """Yield a temporary path with the suffix of `target`; on a clean exit it takes the place of `target`.
+
+    Parameters
+    ----------
+    target : path
+        Missing parent folders are made. A symbolic link is followed, so that the link itself stays.
+    argument : str
+        What an error message calls the target.
+
+    Raises
+    ------
+    InputError
+        If the target is not a plain file or cannot be written. Any other error of the body passes through.
+        In both cases the temporary file is gone and the old target untouched.
+    """
+    try:
+        final = Path(target).resolve()
+        if final.exists() and not final.is_file():
+            raise InputError(
+                f"{argument}: got {str(target)!r}, which is not a plain file; allowed is a path of a file"
+            )
+        temporary = final.parent / f".refdof-{secrets.token_hex(8)}{final.suffix}"
+        final.parent.mkdir(parents=True, exist_ok=True)
+        temporary.touch(exist_ok=False)  # fails here, before any work, if the folder is read-only
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise _unwritable(argument, target, error) from None
+    try:
+        yield temporary
+        os.replace(temporary, final)
+    except OSError as error:
+        raise _unwritable(argument, target, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(target: str | os.PathLike[str], text: str, argument: str = "out") -> None:
+    """Write `text` to `target` as UTF-8 with line feeds, in one step."""
+    with atomic_path(target, argument) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _unwritable(argument: str, target: object, error: Exception) -> InputError:
+    reason = getattr(error, "strerror", None) or str(error)
+    return InputError(
+        f"{argument}: cannot write {str(target)!r} ({reason}); allowed is a path that can be written"
+    )

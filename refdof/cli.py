@@ -1,0 +1,244 @@
+"""The command line: `refdof scenes | methods | render | compare`.
+
+stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
+names the argument, what it got and what is allowed.
+"""
+
+import json
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from refdof._check import InputError, as_integer, as_pair
+from refdof._jit import use_threads
+from refdof.camera import Camera
+from refdof.compare import compare as compare_scene
+from refdof.image_file import SUFFIXES, save_image
+from refdof.lens import ThinLens
+from refdof.load import load_scene
+from refdof.methods import METHODS
+from refdof.rendering import make_params, render_view
+from refdof.report import markdown_table, rows_as_json, write_comparisons
+from refdof.scene import Scene
+from refdof.scenes import SCENES, shot_of
+from refdof.view import View
+
+__all__ = ["app", "main"]
+
+DEFAULT_SCENE = "fence"
+
+app = typer.Typer(
+    name="refdof",
+    help="Reference implementation of depth-of-field rendering: exact layers, references with error bars, "
+    "published methods pixel for pixel.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Size = Annotated[str | None, typer.Option("--size", metavar="WxH", help="Picture size [px]; default: the scene's.")]
+Radius = Annotated[float | None, typer.Option("--lens-radius", help="Lens radius [scene units].")]
+Focus = Annotated[float | None, typer.Option("--focus", help="Focus distance [scene units]; inf is allowed.")]
+Seed = Annotated[int, typer.Option("--seed", help="Seed of the reference.")]
+Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
+Tolerance = Annotated[float | None, typer.Option("--tolerance", help="Standard error to reach instead of --samples.")]
+Threads = Annotated[int | None, typer.Option("--threads", help="Threads; the result does not depend on them.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A parameter; repeatable.")]
+
+
+@app.command()
+def scenes(as_json: AsJson = False) -> None:
+    """List the built-in scenes and what each shows."""
+    shots = {name: shot_of(name) for name in SCENES}
+    rows = [{"scene": n, "title": s.title, "shows": s.shows, "inspired_by": s.inspired_by} for n, s in shots.items()]
+    if as_json:
+        print(json.dumps(rows, indent=2))
+    else:
+        _print_columns([[row["scene"], row["shows"]] for row in rows])
+
+
+@app.command()
+def methods(as_json: AsJson = False) -> None:
+    """List the methods, their sources and their parameters."""
+    rows = []
+    for name, module in METHODS.items():
+        defaults = {field.name: getattr(module.Params(), field.name) for field in fields(module.Params)}
+        title = _title(module)
+        rows.append({"method": name, "title": title, "citation": module.CITATION, "params": defaults})
+    if as_json:
+        print(json.dumps(rows, indent=2))
+    else:
+        _print_columns([[r["method"], r["title"], r["citation"], _words(r["params"])] for r in rows])
+
+
+@app.command()
+def render(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene or a mesh file.")],
+    method: Annotated[str, typer.Option("--method", help="A name that `refdof methods` lists.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="out.png (display), out.exr or out.npy (linear).")],
+    settings: Settings = None,
+    size: Size = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Render a scene with one method."""
+    _use_threads(threads)
+    if output.suffix not in SUFFIXES:
+        raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
+    params = dict(_setting(text) for text in settings or [])
+    make_params(method, params)
+    loaded, camera, lens = _shot(scene, size, lens_radius, focus)
+    result = render_view(method, View(loaded, camera, lens), **params)
+    save_image(output, result.image)
+    facts = {"output": str(output), **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()}}
+    print(json.dumps(facts) if as_json else _words(facts))
+
+
+@app.command()
+def compare(
+    scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE ...]", help="Built-in scenes or files.")] = None,
+    methods: Annotated[str | None, typer.Option("--methods", metavar="A,B,C", help="Default: all.")] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for table, pictures and report.")] = Path("out"),
+    settings: Settings = None,
+    size: Size = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    seed: Seed = 0,
+    samples: Samples = 256,
+    tolerance: Tolerance = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare methods with the reference: table, pictures and a report. A parameter is set with method.key=value."""
+    _use_threads(threads)
+    names = methods.split(",") if methods is not None else list(METHODS)
+    params = _settings_by_method(settings or [], names)
+    comparisons = []
+    with _progress() as tell:
+        for name in scenes or [DEFAULT_SCENE]:
+            scene, camera, lens = _shot(name, size, lens_radius, focus)
+            comparisons.append(compare_scene(scene, names, params, camera, lens, samples, tolerance, seed, tell))
+        tell("report", 0, 1)
+        write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
+    if as_json:
+        tables = [rows_as_json(comparison) for comparison in comparisons]
+        print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
+    else:
+        print(markdown_table(comparisons))
+
+
+def main() -> None:
+    """Run the command line; bad input is one line on stderr and status 2."""
+    try:
+        status = app(standalone_mode=False)
+    except InputError as error:
+        _fail(str(error), 2)
+    except click.ClickException as error:
+        _fail(error.format_message(), 2)
+    except (click.Abort, KeyboardInterrupt):
+        _fail("interrupted; nothing was written", 130)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _fail(message: str, status: int) -> None:
+    print("refdof: " + " ".join(message.split()), file=sys.stderr)
+    sys.exit(status)
+
+
+def _shot(
+    name: str, size: str | None, lens_radius: float | None, focus: float | None
+) -> tuple[Scene, Camera, ThinLens]:
+    """Load a scene and put the options over its suggested shot."""
+    pixels = None if size is None else _size(size)
+    scene = load_scene(name)
+    camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
+    lens = scene.lens
+    if lens_radius is not None:
+        lens = replace(lens, radius=lens_radius)
+    if focus is not None:
+        lens = replace(lens, focus_distance=focus)
+    return scene, camera, lens
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit()):
+        raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")
+    return as_pair("size", (width, height), minimum=1, maximum=32768)
+
+
+def _use_threads(threads: int | None) -> None:
+    if threads is not None:
+        use_threads(as_integer("threads", threads, minimum=1))
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """'key=value' as a name and a number, a truth value or a word."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
+    for parse in (int, float, {"true": True, "false": False}.__getitem__):
+        try:
+            return key, parse(value)
+        except (ValueError, KeyError):
+            continue
+    return key, value
+
+
+def _settings_by_method(texts: list[str], methods: list[str]) -> dict[str, dict[str, Any]]:
+    """'method.key=value' lines as {method: {key: value}}."""
+    params: dict[str, dict[str, Any]] = {name: {} for name in methods}
+    for text in texts:
+        key, value = _setting(text)
+        method, dot, field = key.partition(".")
+        if not dot or method not in params:
+            allowed = ", ".join(f"{name}.KEY=VALUE" for name in methods)
+            raise InputError(f"set: got {text!r}; allowed are {allowed}")
+        params[method][field] = value
+    for method, values in params.items():
+        make_params(method, values)
+    return params
+
+
+@contextmanager
+def _progress() -> Iterator[Any]:
+    """A progress line on stderr, where stderr is a terminal."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        line = bar.add_task("scene", total=1)
+
+        def tell(what: str, done: int, count: int) -> None:
+            bar.update(line, description=what, completed=done, total=count)
+
+        yield tell
+
+
+def _title(module: Any) -> str:
+    return str(module.__doc__).split("\n", 1)[0]
+
+
+def _words(values: dict[str, Any]) -> str:
+    return ", ".join(f"{key}={value}" for key, value in values.items())
+
+
+def _print_columns(rows: list[list[str]]) -> None:
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""What a comparison holds: one scene, its reference, and one row per method."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from refdof._check import Float
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+
+__all__ = ["Comparison", "Row"]
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One method's picture and scores against the reference.
+
+    Attributes
+    ----------
+    image : (H, W, 3) float32, linear RGB
+    scores : "psnr", "ssim", "flip" (display image), "rmse", "rel_mse", "max_abs" (linear)
+    prepare_s, blur_s : seconds spent on raster products and on the method itself
+    """
+
+    method: str
+    params: dict[str, Any]
+    image: Float
+    scores: dict[str, float]
+    prepare_s: float
+    blur_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Every method beside the reference, on one scene.
+
+    Attributes
+    ----------
+    pinhole, reference, standard_error : (H, W, 3) float32, linear RGB
+    samples : mean lens samples per pixel of the reference
+    noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise
+    """
+
+    scene: str
+    camera: Camera
+    lens: ThinLens
+    pinhole: Float
+    reference: Float
+    standard_error: Float
+    samples: float
+    seconds: float
+    noise_floor_psnr: float
+    rows: tuple[Row, ...]

@@ -1,0 +1,119 @@
+"""Thin lens: its radius, its focal plane, its aperture, and the circle of confusion.
+
+References
+----------
+.. [1] Potmesil & Chakravarty (1981), A Lens and Aperture Camera Model for Synthetic Image Generation.
+.. [2] Lee, Eisemann & Seidel (2009), Depth-of-Field Rendering with Multiview Synthesis, Eq. (3).
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_float, as_number
+from refdof.aperture import Aperture
+from refdof.camera import Camera
+
+__all__ = ["ThinLens"]
+
+
+@dataclass(frozen=True)
+class ThinLens:
+    """A thin lens in the plane of the eye.
+
+    Parameters
+    ----------
+    radius : float
+        Lens **radius** E, not diameter [scene units], >= 0; 0 is a pinhole.
+    focus_distance : float
+        Planar distance of the plane in focus [scene units], > 0; ``inf`` is allowed.
+    aperture : Aperture
+        Shape of the opening inside the lens disc.
+
+    Raises
+    ------
+    InputError
+        If radius is negative, infinite or NaN, or focus_distance is not above 0.
+    """
+
+    radius: float
+    focus_distance: float
+    aperture: Aperture = field(default_factory=Aperture.disc)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", as_number("radius", self.radius, minimum=0.0))
+        focus = as_number("focus_distance", self.focus_distance, above=0.0, finite=False)
+        object.__setattr__(self, "focus_distance", focus)
+        if not isinstance(self.aperture, Aperture):
+            raise InputError(f"aperture: got {type(self.aperture).__name__}; allowed is a refdof.Aperture")
+
+    @classmethod
+    def from_f_number(
+        cls, focal_length: float, f_number: float, focus_distance: float, aperture: Aperture | None = None
+    ) -> "ThinLens":
+        """Lens of a photographer: radius = focal_length / (2 f_number), all lengths in metres.
+
+        The field of view stays the camera's; the picture does not breathe with focus.
+
+        Raises
+        ------
+        InputError
+            If focus_distance <= focal_length: such a lens has no real image.
+        """
+        focal_length = as_number("focal_length", focal_length, above=0.0)
+        f_number = as_number("f_number", f_number, above=0.0)
+        focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
+        if focus_distance <= focal_length:
+            raise InputError(
+                f"focus_distance: got {focus_distance:g}; allowed is a distance above the focal length {focal_length:g}"
+            )
+        return cls(focal_length / (2.0 * f_number), focus_distance, aperture or Aperture.disc())
+
+    def coc_px(self, depth: Any, camera: Camera) -> Float:
+        """Signed circle of confusion: the **radius** of a point's image [px].
+
+        ``coc = P E (1 / focus - 1 / depth)``: negative in front of the focal plane, positive behind it.
+
+        Parameters
+        ----------
+        depth : array of any shape, or a number
+            Planar distance along the optical axis [scene units], > 0; ``inf`` is background.
+        camera : Camera
+            Gives P, the pixels per unit tangent.
+
+        Returns
+        -------
+        array of the same shape and float type; finite for depth = inf.
+
+        Raises
+        ------
+        InputError
+            If a depth is NaN or not above 0.
+        """
+        array = np.asarray(depth)
+        array = as_float("depth", array, array.shape, finite=False)
+        if array.size and not (array > 0).all():
+            raise InputError(f"depth: smallest value is {array.min():g}; allowed are values > 0")
+        if self.radius == 0.0:
+            return np.zeros_like(array)
+        scale = camera.pixels_per_tangent * self.radius
+        exact = array.astype(np.float64)
+        if math.isinf(self.focus_distance):
+            with np.errstate(over="ignore"):
+                return _rounded(-scale / exact, array.dtype)
+        # The difference 1/focus - 1/depth cancels near focus; (depth - focus) / depth does not, and
+        # 1 - focus / depth is the same number for far depths, where the former would be inf / inf.
+        focus = self.focus_distance
+        far = exact >= 2.0 * focus
+        near = np.where(far, focus, exact)
+        with np.errstate(over="ignore"):
+            ratio = np.where(far, 1.0 - focus / exact, (near - focus) / near)
+            return _rounded(scale / focus * ratio, array.dtype)
+
+
+def _rounded(coc: Float, dtype: np.dtype) -> Float:
+    """Round once to `dtype`; what is too large for it becomes its largest number, not infinity."""
+    largest = np.finfo(dtype).max
+    return np.clip(coc, -largest, largest).astype(dtype)

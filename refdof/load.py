@@ -1,0 +1,50 @@
+"""Load a scene by name or from a file."""
+
+import difflib
+from pathlib import Path
+from typing import Any
+
+from refdof._check import InputError, as_color
+from refdof.mesh_file import load_mesh
+from refdof.scene import Scene
+from refdof.scenes import SCENES, built_in
+
+__all__ = ["load_scene"]
+
+
+def load_scene(
+    name: str | Path, shading: str | None = None, background: tuple[float, float, float] | None = None
+) -> Scene:
+    """A built-in scene, or any mesh file that trimesh reads (OBJ, PLY, STL, GLB, glTF and more).
+
+    Parameters
+    ----------
+    name : str or Path
+        One of `refdof.SCENES`, or a path.
+    shading : "unlit", "lambert" or "phong", optional
+        Replaces the scene's own; files are "lambert" by default.
+    background : (3,) floats, optional
+        Linear RGB of rays that meet nothing; replaces the scene's own.
+
+    Returns
+    -------
+    Scene
+        With a suggested `.camera` and `.lens`.
+
+    Raises
+    ------
+    InputError
+        If there is neither such a scene nor such a file, or the file holds no usable triangles.
+    """
+    if str(name) in SCENES:
+        scene = built_in(str(name))
+        if shading is not None:
+            scene = scene.with_shading(shading)
+        return scene if background is None else scene.with_background(as_color("background", background))
+    path = Path(name)
+    if not path.suffix and not path.exists():
+        near = difflib.get_close_matches(str(name), SCENES, n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise InputError(f"scene: got {str(name)!r}; {hint}allowed are {', '.join(SCENES)}, or a mesh file")
+    words: dict[str, Any] = {} if background is None else {"background": background}
+    return load_mesh(path, shading, **words)

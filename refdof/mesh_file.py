@@ -1,0 +1,248 @@
+"""Mesh files: any file that trimesh reads, as a scene with a shot. The only file that knows trimesh.
+
+1. read the file; whatever goes wrong becomes one line     `_read`
+2. every mesh, placed by its node                          `_part`
+3. its colours and textures, made linear                   `_Looks`
+4. the file's own normals, or smooth ones with creases     `refdof.normals`
+5. a glTF file's own camera, or a suggested shot           `refdof.gltf_camera`, `refdof.suggest`
+
+What is left out: points, lines, animation, transparency, and every texture but that of the base colour.
+Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
+"""
+
+import io
+import logging
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index
+from refdof.camera import Camera
+from refdof.gltf_camera import gltf_camera, without_cameras
+from refdof.lens import ThinLens
+from refdof.normals import smooth_normals
+from refdof.scene import SHADINGS, Light, Material, Part, Scene
+from refdof.suggest import suggest_camera, suggest_lens, up_axis
+
+__all__ = ["load_mesh"]
+
+_GLTF = ("glb", "gltf")
+_TEXT = ("obj", "off")
+_GREY = (0.5, 0.5, 0.5)  # albedo of what has no colour
+_WHITE = (1.0, 1.0, 1.0)  # leaves the colours of a texture or of vertices as they are
+_SPECULAR = (0.04, 0.04, 0.04)  # normal reflectance of glass and plastic, glTF 2.0 appendix B
+_MAX_SHININESS = 2000.0  # a highlight narrower than a pixel would only flicker
+
+# trimesh logs for those who listen; without a handler its warnings would be printed.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
+
+
+def load_mesh(
+    path: str | Path, shading: str | None = None, background: tuple[float, float, float] = (0.46, 0.55, 0.64)
+) -> Scene:
+    """Read a mesh file.
+
+    Parameters
+    ----------
+    path : str or Path
+        OBJ, PLY, STL, OFF, GLB, glTF or any other file with triangles that trimesh reads.
+    shading : "unlit", "lambert", "phong", or None for "lambert"
+    background : (3,) floats >= 0
+        Linear RGB of rays that meet nothing; the default is a light grey-blue.
+
+    Returns
+    -------
+    Scene
+        Named after the file, in the file's unit of length, with the file's own camera or a suggested one.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, unreadable, broken, of an unknown kind or without triangles, or if a number
+        in it is NaN, infinite or out of range.
+    """
+    path = Path(path)
+    shading = as_choice("shading", "lambert" if shading is None else shading, SHADINGS)
+    background = as_color("background", background)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # NumPy's word for garbage between numbers; what follows would be lost in silence.
+            warnings.filterwarnings("error", message="string or file could not be read")
+            parts = _read(path, shading)
+        # The shot follows from the scene, so a stand-in comes first.
+        camera, lens = Camera((0, 0, 1), (0, 0, 0)), ThinLens(0.0, 1.0)
+        scene = Scene.from_parts(path.stem, parts, camera, lens, background)
+    except InputError as error:
+        raise _refusal(path, str(error)) from None
+    except Exception as error:  # trimesh lets through whatever its parsers meet
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise _refusal(path, f"it cannot be read ({reason[:160]})") from error
+    if not len(scene.faces):
+        raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
+    up = 1 if _suffix(path) in _GLTF else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
+    own = gltf_camera(path) if _suffix(path) in _GLTF else None
+    camera = own or suggest_camera(scene.vertices, scene.faces, up)
+    lens = suggest_lens(scene.vertices, scene.faces, camera)
+    x, y, z = scene.light.sun_direction
+    light = Light() if up == 1 else Light(sun_direction=(x, -z, y))  # the sun stands above the model's front
+    return replace(scene, camera=camera, lens=lens, light=light)
+
+
+def _refusal(path: Path, reason: str) -> InputError:
+    return InputError(f"scene: got {str(path)!r}: {reason}; allowed is a mesh file with triangles")
+
+
+def _suffix(path: Path) -> str:
+    return path.suffix.lower().lstrip(".")
+
+
+def _read(path: Path, shading: str) -> list[Part]:
+    """All meshes of the file, in world space."""
+    if not path.is_file():
+        raise InputError("it is not a file" if path.exists() else "there is no such file")
+    formats = sorted(trimesh.available_formats())
+    if not any(path.name.lower().endswith(f".{known}") for known in formats):
+        raise InputError(f"its kind is none of {', '.join(formats)}")
+    if path.stat().st_size == 0:
+        raise InputError("it is empty")
+    data = _tidied(path)
+    opened: Any = path if data is None else io.BytesIO(data)
+    kind = None if data is None else _suffix(path)
+    beside = trimesh.resolvers.FilePathResolver(str(path))  # textures and buffers lie beside the file
+    loaded = trimesh.load_scene(opened, kind, beside, process=False)  # neither merge nor drop vertices
+    looks = _Looks(shading, linear_colors=_suffix(path) in _GLTF)
+    parts = []
+    for node in loaded.graph.nodes_geometry:
+        world, name = loaded.graph[node]
+        mesh = loaded.geometry[name]
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            parts.append(_part(mesh, np.asarray(world, dtype=np.float64), looks))
+    return parts
+
+
+def _tidied(path: Path) -> bytes | None:
+    """What trimesh is given in the file's place; None if it can take the file as it is."""
+    if _suffix(path) in _GLTF:  # a node with a camera would lose its meshes and its children
+        return without_cameras(path)
+    if _suffix(path) in _TEXT:  # names and comments of older programs are not in UTF-8
+        data = path.read_bytes()
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            return data.decode("latin-1").encode()
+    return None
+
+
+def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
+    """One mesh in world space; `world` (4, 4) is its node's transform."""
+    vertices = as_float("vertices", mesh.vertices, (None, 3), dtype=np.float64)
+    faces = as_index("faces", mesh.faces, (None, 3), end=len(vertices))
+    vertices = vertices @ world[:3, :3].T + world[:3, 3]
+    normal = _own_normals(mesh, world)
+    uv, color, material = looks.of(mesh)
+    if mesh.visual.kind == "face" and color is not None:  # every face gets corners of its own
+        source, faces = faces.ravel(), np.arange(faces.size).reshape(-1, 3)
+        vertices, color = vertices[source], np.repeat(color, 3, axis=0)
+        normal = None if normal is None else normal[source]
+    if normal is None:
+        source, faces, normal = smooth_normals(vertices, faces)
+        vertices = vertices[source]
+        uv = None if uv is None else uv[source]
+        color = None if color is None else color[source]
+    return Part(vertices, faces, material, uv, color, normal)
+
+
+def _own_normals(mesh: Any, world: Float) -> Float | None:
+    """Unit normals (V, 3) that the file states, in world space; None if it states none or a useless one."""
+    if "vertex_normals" not in mesh._cache:  # asking the mesh itself would compute them
+        return None
+    x, y, z = world[:3, :3].T
+    # The cofactor matrix turns normals as the matrix turns surfaces, even where it has no inverse.
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
+    normal = np.asarray(mesh.vertex_normals, dtype=np.float64) @ cofactors
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return normal / length if np.isfinite(length).all() and (length > 0).all() else None
+
+
+class _Looks:
+    """Materials as this package wants them; every material and every texture is made once and shared."""
+
+    def __init__(self, shading: str, *, linear_colors: bool) -> None:
+        self._shading = shading
+        self._linear_colors = linear_colors
+        self._materials: dict[Any, Material] = {}
+        self._textures: dict[int, Float | None] = {}
+
+    def of(self, mesh: Any) -> tuple[Float | None, Float | None, Material]:
+        """Texture coordinates (V, 2), linear colours (V, 3), or (F, 3) if per face, and the material."""
+        visual = mesh.visual
+        if visual.kind in ("vertex", "face"):
+            colors = visual.vertex_colors if visual.kind == "vertex" else visual.face_colors
+            return None, self._linear(colors), self._plain(_WHITE)
+        if visual.kind != "texture":
+            return None, None, self._plain(_GREY)
+        colors = visual.vertex_attributes.get("color", mesh.vertex_attributes.get("color"))
+        fits = visual.uv is not None and np.shape(visual.uv) == (len(mesh.vertices), 2)
+        uv = np.array(visual.uv) if fits else None
+        color = None if colors is None else self._linear(colors)
+        return uv, color, self._material(visual.material, uv is not None)
+
+    def _linear(self, colors: Any) -> Float:
+        """(N, 3) linear RGB of (N, 3 or 4) colours; glTF stores them linear, all others as sRGB."""
+        colors = np.asarray(colors)
+        rgb = colors[:, :3] / (np.iinfo(colors.dtype).max if colors.dtype.kind in "ui" else 1.0)
+        return rgb if self._linear_colors else _decode_srgb(rgb)
+
+    def _plain(self, base_color: tuple[float, float, float]) -> Material:
+        if base_color not in self._materials:
+            self._materials[base_color] = Material(self._shading, base_color, specular=_SPECULAR)
+        return self._materials[base_color]
+
+    def _material(self, source: Any, has_uv: bool) -> Material:
+        """Material of one of trimesh's; the colours of materials are linear already."""
+        key = (id(source), has_uv)
+        if key not in self._materials:
+            if isinstance(source, trimesh.visual.material.PBRMaterial):
+                image, shininess = source.baseColorTexture, _shininess(source.roughnessFactor)
+                factor = source.baseColorFactor
+                base = _WHITE if factor is None else tuple((factor[:3] / 255.0).tolist())
+                glows = source.emissiveFactor is not None and source.emissiveTexture is None
+                emission = tuple(source.emissiveFactor.tolist()) if glows else (0.0, 0.0, 0.0)
+            else:
+                words = getattr(source, "kwargs", {})  # of the .mtl file, as written
+                image, emission = getattr(source, "image", None), (0.0, 0.0, 0.0)
+                if getattr(image, "format", None) is None:  # from no file: trimesh's stand-in for no material
+                    image = None
+                base = words.get("kd", _GREY if image is None else _WHITE)
+                base = tuple(np.broadcast_to(np.maximum(base, 0.0), 3).tolist())
+                shininess = float(np.clip(words.get("ns", 50.0), 1.0, _MAX_SHININESS))
+            texture = self._texture(image) if image is not None and has_uv else None
+            self._materials[key] = Material(self._shading, base, texture, emission, _SPECULAR, shininess)
+        return self._materials[key]
+
+    def _texture(self, image: Any) -> Float | None:
+        """(h, w, 3) float32 linear RGB; None if the image is broken."""
+        if id(image) not in self._textures:
+            try:
+                encoded = np.asarray(image.convert("RGB"))
+            except (OSError, ValueError, SyntaxError):  # Pillow reads pixels only now
+                self._textures[id(image)] = None
+            else:
+                self._textures[id(image)] = _decode_srgb(np.arange(256) / 255.0).astype(np.float32)[encoded]
+        return self._textures[id(image)]
+
+
+def _shininess(roughness: float | None) -> float:
+    """Phong exponent for a glTF roughness: a quarter of the half vector's 2 / roughness^4 - 2."""
+    alpha = (1.0 if roughness is None else float(roughness)) ** 2
+    return float(np.clip((2.0 / max(alpha * alpha, 1e-6) - 2.0) / 4.0, 1.0, _MAX_SHININESS))
+
+
+def _decode_srgb(encoded: Float) -> Float:
+    """Linear values of sRGB-encoded ones, IEC 61966-2-1."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

@@ -1,0 +1,76 @@
+"""The lens opening for kernels: an area-uniform lens point from a point of the unit square.
+
+An image aperture is sampled by its transmission (row, then texel of the row), so every point has the same weight.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from refdof._check import Float
+from refdof._jit import borrow, inline
+from refdof.aperture import Aperture, concentric_disc
+
+__all__ = ["Opening", "borrow_opening", "lens_point", "opening_of"]
+
+
+class Opening(NamedTuple):
+    """An `Aperture` for kernels: boundary (K, 2), cumulated rows (h + 1,) and texels (h, w + 1), scale (2,)."""
+
+    boundary: Float
+    row_sums: Float
+    texel_sums: Float
+    scale: Float
+
+
+def opening_of(aperture: Aperture) -> Opening:
+    """Flatten `aperture`; the cumulated transmissions run from 0 to 1."""
+    weights = aperture.weights
+    row_sums, texel_sums = np.zeros(0), np.zeros((0, 0))
+    if aperture.is_image:
+        row_sums = np.concatenate([[0.0], np.cumsum(weights.sum(axis=1))])
+        row_sums /= row_sums[-1]
+        texel_sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, axis=1)], axis=1)
+        texel_sums /= np.maximum(texel_sums[:, -1:], np.finfo(float).tiny)
+    return Opening(np.ascontiguousarray(aperture.boundary), row_sums, texel_sums, np.array(aperture.scale))
+
+
+@inline
+def borrow_opening(o):
+    """`Opening` whose arrays are borrowed, for a tile kernel's inner loops."""
+    return Opening(borrow(o.boundary), borrow(o.row_sums), borrow(o.texel_sums), borrow(o.scale))
+
+
+@inline
+def lens_point(opening, u, v):
+    """Lens point (x, y) of the opening, x right, y up, in units of the lens radius."""
+    corners = opening.boundary.shape[0]
+    if corners > 0:
+        sector = u * corners
+        k = min(int(sector), corners - 1)
+        following = k + 1 if k + 1 < corners else 0
+        along, r = sector - k, np.sqrt(v)
+        x = r * ((1.0 - along) * opening.boundary[k, 0] + along * opening.boundary[following, 0])
+        y = r * ((1.0 - along) * opening.boundary[k, 1] + along * opening.boundary[following, 1])
+    elif opening.row_sums.shape[0] > 0:
+        height, width = opening.texel_sums.shape[0], opening.texel_sums.shape[1] - 1
+        row, down = _invert(opening.row_sums, v)
+        column, right = _invert(opening.texel_sums[row], u)
+        x = (column + right) / width * 2.0 - 1.0
+        y = 1.0 - (row + down) / height * 2.0
+    else:
+        x, y = concentric_disc(u, v)
+    return x * opening.scale[0], y * opening.scale[1]
+
+
+@inline
+def _invert(sums, value):
+    """Index and fraction at which the non-decreasing `sums` reach `value` in [0, 1)."""
+    low, high = 0, len(sums) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if sums[middle] <= value:
+            low = middle
+        else:
+            high = middle
+    return low, (value - sums[low]) / (sums[low + 1] - sums[low])

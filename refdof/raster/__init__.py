@@ -1,0 +1,1 @@
+"""Raster stages: rays, layers, and what methods share on the way from triangles to pixels."""

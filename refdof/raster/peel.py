@@ -1,0 +1,155 @@
+"""Exact layers: every surface that the ray through a pixel's centre meets, front to back.
+
+Embree reports each triangle along a ray once, in one traversal, without stepping; depth and barycentrics are then
+computed in float64. Surfaces are ordered by (depth, triangle id), so coplanar duplicates and shared edges, where
+two triangles meet a ray at the same depth, have one stated order.
+
+References
+----------
+.. [1] Everitt (2001), Interactive Order-Independent Transparency (depth peeling).
+.. [2] Shade et al. (1998), Layered Depth Images, SIGGRAPH.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index, as_integer
+from refdof._jit import borrow, call_address, inline, run_tasks, tile_kernel
+from refdof.raster.raycast import Tracer, new_collector
+from refdof.shading import shade, shading_normal
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+
+__all__ = ["Layers", "count_surfaces", "peel"]
+
+_FIRST_CAPACITY = 256
+_ROWS_PER_TASK = 8
+
+
+class Layers(NamedTuple):
+    """N surfaces per pixel, front to back; an empty slot has depth inf, triangle -1 and zeros.
+
+    color (N, H, W, 3) float32, linear RGB; depth (N, H, W) float64 [scene units]; normal (N, H, W, 3) float32,
+    camera space, towards the viewer; triangle (N, H, W) int32.
+    """
+
+    color: Float
+    depth: Float
+    normal: Float
+    triangle: Index
+
+
+def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None) -> Layers:
+    """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
+
+    Raises
+    ------
+    InputError
+        If count < 1.
+    """
+    if count is None:
+        count = max(1, int(count_surfaces(surfaces, tracer, shot).max(initial=0)))
+    count = as_integer("count", count, minimum=1)
+    shape = (count, shot.height, shot.width)
+    layers = Layers(
+        np.zeros((*shape, 3), dtype=np.float32),
+        np.full(shape, np.inf),
+        np.zeros((*shape, 3), dtype=np.float32),
+        np.full(shape, -1, dtype=np.int32),
+    )
+    _run(surfaces, tracer, shot, layers)
+    return layers
+
+
+def count_surfaces(surfaces: Surfaces, tracer: Tracer, shot: Shot) -> Index:
+    """How many surfaces the ray through each pixel's centre meets: (H, W) int32."""
+    empty = (0, shot.height, shot.width)
+    layers = Layers(
+        np.zeros((*empty, 3), dtype=np.float32),
+        np.zeros(empty),
+        np.zeros((*empty, 3), dtype=np.float32),
+        np.zeros(empty, dtype=np.int32),
+    )
+    return _run(surfaces, tracer, shot, layers)
+
+
+def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers) -> Index:
+    """Fill `layers` in bands of rows; a band with more surfaces than expected is run again with more room."""
+    counts = np.zeros((shot.height, shot.width), dtype=np.int32)
+
+    def band(first: int) -> None:
+        last, capacity = min(first + _ROWS_PER_TASK, shot.height), _FIRST_CAPACITY
+        while True:
+            memory = new_collector(capacity)
+            _peel_rows(surfaces, tracer.scene, tracer.single, shot, first, last, memory, layers, counts)
+            most = int(counts[first:last].max(initial=0))
+            if most <= capacity:
+                return
+            capacity = 2 * most
+
+    run_tasks(band, range(0, shot.height, _ROWS_PER_TASK))
+    return counts
+
+
+@tile_kernel
+def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, counts):
+    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`."""
+    surfaces = borrow_surfaces(surfaces)
+    capacity = memory.room
+    triangle = np.empty(capacity, dtype=np.int32)
+    depth = np.empty(capacity)
+    scale = 1.0 / shot.pixels_per_tangent
+    unit = 2.0**surfaces.exponent
+    for y in range(first, last):
+        for x in range(shot.width):
+            dx, dy = (x + 0.5 - 0.5 * shot.width) * scale, (0.5 * shot.height - y - 0.5) * scale
+            _aim(memory, dx, dy)
+            call_address(single, scene, memory.ray_address, memory.arguments_address, 0)
+            found = min(memory.context[3], capacity)
+            kept = 0
+            for k in range(found):
+                face = memory.context[4 + k]
+                t, _, _ = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                if t > 0.0 and t < np.inf:
+                    kept = _insert(depth, triangle, kept, t, face)
+            counts[y, x] = memory.context[3] if memory.context[3] > capacity else kept
+            for k in range(min(kept, len(layers.depth))):
+                face = triangle[k]
+                _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                layers.depth[k, y, x] = depth[k] * unit
+                layers.triangle[k, y, x] = face
+                red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
+                layers.color[k, y, x, 0], layers.color[k, y, x, 1], layers.color[k, y, x, 2] = red, green, blue
+                nx, ny, nz = shading_normal(surfaces, face, 1.0 - u - v, u, v, dx, dy, -1.0)
+                layers.normal[k, y, x, 0], layers.normal[k, y, x, 1], layers.normal[k, y, x, 2] = nx, ny, nz
+
+
+@inline
+def _aim(memory, dx, dy):
+    """Write a fresh ray from the eye along (dx, dy, -1) and empty the list of hits."""
+    ray = memory.ray
+    for k in range(24):
+        ray[k] = 0.0
+    ray[4], ray[5], ray[6], ray[8] = dx, dy, -1.0, np.inf
+    memory.ray_integers[9] = -1  # mask
+    memory.ray_integers[18] = -1  # geometry
+    memory.ray_integers[19] = -1  # instance
+    memory.context[3] = 0
+
+
+@inline
+def _insert(depth, triangle, count, t, face):
+    """Insert a hit into lists of `count` hits ordered by (depth, triangle); returns the new count.
+
+    Embree may report a triangle twice where its tree splits it.
+    """
+    k = count
+    while k > 0 and (depth[k - 1] > t or (depth[k - 1] == t and triangle[k - 1] >= face)):
+        k -= 1
+    if k < count and depth[k] == t and triangle[k] == face:
+        return count
+    for i in range(count, k, -1):
+        depth[i], triangle[i] = depth[i - 1], triangle[i - 1]
+    depth[k], triangle[k] = t, face
+    return count + 1

@@ -1,0 +1,235 @@
+"""The reference: thin-lens pictures by ray casting, with an error bar at every pixel.
+
+1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.lens_rays`
+2. Estimate every pixel R times with independent scrambles of one net                `refdof.owen`
+3. The mean is the picture; the spread of the R estimates is its error                `_summarise`
+4. With a tolerance, double the net of the pixels whose error is too large            `_unfinished`
+
+Only the replicates are independent, so only they enter the error bar: the points inside one net repel each
+other and their own variance says nothing about the error.
+
+References
+----------
+.. [1] Cook, Porter & Carpenter (1984), Distributed Ray Tracing, SIGGRAPH.
+.. [2] Haeberli & Akeley (1990), The Accumulation Buffer, SIGGRAPH.
+.. [3] Owen (1997), Scrambled Net Variance for Integrals of Smooth Functions, Annals of Statistics 25(4).
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdof._check import Float, Index, InputError, as_choice, as_integer, as_number
+from refdof._jit import run_tasks
+from refdof.camera import Camera
+from refdof.noise_floor import noise_floor_psnr
+from refdof.lens import ThinLens
+from refdof.lens_rays import tile_order, trace_block
+from refdof.opening import opening_of
+from refdof.owen import MAX_LOG2, block_of
+from refdof.raster.raycast import LANES, new_packets, new_query
+from refdof.scene import Scene
+from refdof.view import View
+
+__all__ = ["PIXEL_FILTERS", "Reference", "reference", "reference_of_view"]
+
+PIXEL_FILTERS = ("centre", "box")
+_TILE = 16  # px; the working set of a tile stays in the nearest caches
+_FIRST_POINTS = 8  # per replicate, before the first look at the error
+_MAX_POINTS = 1 << 14  # per replicate, where a tolerance cannot be met
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A reference picture and how far to trust it.
+
+    Attributes
+    ----------
+    image, standard_error : (H, W, 3) float32
+        Linear RGB, and the standard error of each value. A 95 % interval is image +- 2.13 standard errors
+        (Student's t for 16 replicates).
+    samples : (H, W) int64
+        Lens samples spent on each pixel.
+    seconds : float
+    """
+
+    image: Float
+    standard_error: Float
+    samples: Index
+    seconds: float
+
+    @property
+    def noise_floor_psnr(self) -> float:
+        """PSNR [dB] that a perfect picture would score against this one: above it a comparison means nothing."""
+        return noise_floor_psnr(self.image, self.standard_error)
+
+
+def reference(
+    scene: Scene,
+    camera: Camera | None = None,
+    lens: ThinLens | None = None,
+    samples: int = 1024,
+    replicates: int = 16,
+    seed: int = 0,
+    tolerance: float | None = None,
+    pixel_filter: str = "centre",
+    shared_pattern: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Reference:
+    """Render the truth.
+
+    Parameters
+    ----------
+    scene, camera, lens
+        Camera and lens default to the scene's suggested shot.
+    samples : int
+        Lens samples per pixel in all; rounded up to `replicates` times a power of two, where nets are balanced.
+    replicates : int
+        Independent estimates, at least 16: fewer make an error bar that cannot be trusted.
+    seed : int
+        0 .. 2^32 - 1. Another seed gives an independent picture.
+    tolerance : float, optional
+        Instead of `samples`: sample every pixel until the standard error of each channel v is below
+        tolerance * max(1, v).
+    pixel_filter : "centre" or "box"
+        Sample pixels at their centres, as image-based methods do (no anti-aliasing), or over their area.
+    shared_pattern : bool
+        One lens pattern for all pixels, as an accumulation buffer has [2], instead of one per pixel [1]. The
+        error is then the same in size but shows as ghost edges rather than as noise.
+    progress : callable, optional
+        Called with (tiles done, tiles).
+
+    Returns
+    -------
+    Reference
+    """
+    view = View(scene, camera or scene.camera, lens or scene.lens)
+    return reference_of_view(view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress)
+
+
+def reference_of_view(
+    view: View,
+    samples: int = 1024,
+    replicates: int = 16,
+    seed: int = 0,
+    tolerance: float | None = None,
+    pixel_filter: str = "centre",
+    shared_pattern: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Reference:
+    """`reference` of a view whose products are shared."""
+    samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
+    replicates = as_integer("replicates", replicates, minimum=16, maximum=4096)
+    if tolerance is not None:
+        tolerance = as_number("tolerance", tolerance, above=0.0)
+    return estimate(view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress)
+
+
+def estimate(
+    view: View,
+    samples: int,
+    replicates: int,
+    seed: int,
+    tolerance: float | None,
+    pixel_filter: str,
+    shared_pattern: bool,
+    progress: Callable[[int, int], None] | None,
+) -> Reference:
+    """`reference_of_view` without the lower limit on replicates."""
+    seed = as_integer("seed", seed, minimum=0, maximum=2**32 - 1)
+    box = as_choice("pixel_filter", pixel_filter, PIXEL_FILTERS) == "box"
+    start = time.perf_counter()
+    height, width = view.camera.height, view.camera.width
+    result = Reference(
+        np.zeros((height, width, 3), dtype=np.float32),
+        np.zeros((height, width, 3), dtype=np.float32),
+        np.ones((height, width), dtype=np.int64),
+        0.0,
+    )
+    if view.lens.radius == 0.0 and not box:  # a pinhole: one ray is exact
+        result.image[:] = view.pinhole().color
+        return _timed(result, start)
+
+    surfaces, tracer, shot, opening = view.surfaces(), view.tracer(), view.shot(), opening_of(view.lens.aperture)
+    points = _power_of_two(-(-samples // replicates)) if tolerance is None else _FIRST_POINTS
+
+    def trace(pixels: Index, first: int, count: int) -> Float:
+        """Sums (R, N, 3) over points first .. first + count - 1 of every replicate."""
+        sums = np.zeros((replicates, len(pixels), 3))
+        packets, query = new_packets(-(-len(pixels) // LANES)), new_query(coherent=True)
+        block = block_of(first, count.bit_length() - 1)
+        trace_block(
+            surfaces, tracer.scene, tracer.packet, query, shot, opening, block,
+            pixels, np.uint32(seed), shared_pattern, box, packets, sums,
+        )  # fmt: skip
+        return sums
+
+    def tile(corner: tuple[int, int]) -> None:
+        x, y = corner
+        pixels = tile_order(x, y, min(x + _TILE, width), min(y + _TILE, height))
+        sums = trace(pixels, 0, points)
+        spent = np.full(len(pixels), points)
+        while tolerance is not None:
+            todo = _unfinished(sums, spent, pixels, tolerance)
+            if not len(todo):
+                break
+            have = int(spent[todo[0]])
+            sums[:, todo] += trace(pixels[todo], have, have)
+            spent[todo] += have
+        mean, error = _summarise(sums, spent)
+        rows, columns = pixels[:, 1], pixels[:, 0]
+        result.image[rows, columns] = mean
+        result.standard_error[rows, columns] = error
+        result.samples[rows, columns] = spent * replicates
+
+    corners = [(x, y) for y in range(0, height, _TILE) for x in range(0, width, _TILE)]
+    run_tasks(tile, corners, progress)
+    return _timed(result, start)
+
+
+def _timed(result: Reference, start: float) -> Reference:
+    return Reference(result.image, result.standard_error, result.samples, time.perf_counter() - start)
+
+
+def _power_of_two(count: int) -> int:
+    return 1 << max(0, math.ceil(math.log2(count)))
+
+
+def _summarise(sums: Float, spent: Index) -> tuple[Float, Float]:
+    """Mean and its standard error, (N, 3) each, from the sums (R, N, 3) over `spent` (N,) points per replicate."""
+    estimates = sums / spent[None, :, None]
+    count = len(estimates)
+    if count == 1:
+        return estimates[0], np.zeros_like(estimates[0])
+    # Deviations from the first estimate: equal estimates give an error of exactly 0.
+    deviation = estimates - estimates[0]
+    mean = deviation.mean(axis=0)
+    variance = ((deviation - mean) ** 2).sum(axis=0) / (count - 1)
+    return estimates[0] + mean, np.sqrt(variance / count)
+
+
+def _unfinished(sums: Float, spent: Index, pixels: Index, tolerance: float) -> Index:
+    """Which pixels need twice the points: those above the tolerance, and their neighbours at the same stage.
+
+    A pixel whose few samples all missed a small bright thing looks finished; its neighbours tell. Where R M
+    samples were spent, a share of 1 / (R M) of the contrast around a pixel can have gone unseen.
+    """
+    mean, error = _summarise(sums, spent)
+    x, y = pixels[:, 0] - pixels[:, 0].min(), pixels[:, 1] - pixels[:, 1].min()
+    excess = np.full((y.max() + 5, x.max() + 5), 0.0)
+    value = np.full((y.max() + 5, x.max() + 5, 3), np.nan)
+    value[y + 2, x + 2] = mean
+    windows = np.lib.stride_tricks.sliding_window_view(value, (3, 3), axis=(0, 1))[1:-1, 1:-1]
+    contrast = np.nanmax(windows, axis=(3, 4))[y, x] - np.nanmin(windows, axis=(3, 4))[y, x]
+    unseen = np.where(error.max(axis=1, keepdims=True) > 0.0, contrast, 0.0) / (len(sums) * spent[:, None])
+    allowed = tolerance * np.maximum(1.0, np.abs(mean))
+    excess[y + 2, x + 2] = (np.maximum(error, unseen) / allowed).max(axis=1)
+    around = np.lib.stride_tricks.sliding_window_view(excess, (5, 5)).max(axis=(2, 3))[y, x]
+    open_pixels = (around > 1.0) & (spent < _MAX_POINTS)
+    if not open_pixels.any():
+        return np.zeros(0, dtype=np.int64)
+    stage = spent[open_pixels].min()
+    return np.flatnonzero(open_pixels & (spent == stage))

@@ -1,0 +1,91 @@
+"""Render a view with any method, by name, and book its time."""
+
+import time
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from refdof._check import Float, as_choice
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+from refdof.methods import METHODS
+from refdof.scene import Scene
+from refdof.trace import Trace
+from refdof.view import View
+
+__all__ = ["Result", "make_params", "render", "render_view"]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A method's picture.
+
+    Attributes
+    ----------
+    image : (H, W, 3) float32, linear RGB
+    seconds : {"prepare", "blur"}
+        Raster products the method used (whoever asked first), and the method itself.
+    stages : arrays by name, empty unless asked for
+    params : the method's Params
+    """
+
+    image: Float
+    seconds: dict[str, float]
+    stages: dict[str, np.ndarray]
+    params: Any
+
+
+def render(
+    method: str,
+    scene: Scene,
+    camera: Camera | None = None,
+    lens: ThinLens | None = None,
+    stages: bool = False,
+    **params: Any,
+) -> Result:
+    """Render a scene with a method.
+
+    Parameters
+    ----------
+    method : str
+        A name in `refdof.METHODS`.
+    scene, camera, lens
+        Camera and lens default to the scene's suggested shot.
+    stages : bool
+        Record the method's stages.
+    **params
+        Fields of the method's `Params`.
+
+    Raises
+    ------
+    InputError
+        If the method, a parameter's name or its value is not allowed.
+    """
+    return render_view(method, View(scene, camera or scene.camera, lens or scene.lens), stages, **params)
+
+
+def render_view(method: str, view: View, stages: bool = False, **params: Any) -> Result:
+    """`render` of a view whose products are shared."""
+    chosen = make_params(method, params)
+    trace = Trace(stages)
+    with view.booking() as book:
+        start = time.perf_counter()
+        image = METHODS[method].render(view, chosen, trace)
+        whole = time.perf_counter() - start
+    return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, trace.stages, chosen)
+
+
+def make_params(method: str, values: dict[str, Any]) -> Any:
+    """The method's `Params` with these values.
+
+    Raises
+    ------
+    InputError
+        If the method or a parameter does not exist (with the nearest name), or a value is not allowed.
+    """
+    as_choice("method", method, METHODS)
+    kind = METHODS[method].Params
+    for name in values:
+        as_choice(f"parameter of {method}", name, [field.name for field in fields(kind)])
+    return kind(**values)

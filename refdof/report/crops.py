@@ -1,0 +1,70 @@
+"""Crops: the two parts of the picture that a comparison should show closely, found without a choice by hand.
+
+1. where the methods err most          mean squared display error over all methods
+2. where the lens blurs most           squared display difference of reference and pinhole image, which is
+                                       largest at the edges of things far out of focus
+
+Each is the window with the largest sum; the second does not overlap the first.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdof._check import Float
+from refdof.comparison import Comparison
+from refdof.display import display
+
+__all__ = ["Box", "choose_crops"]
+
+
+@dataclass(frozen=True)
+class Box:
+    """A window of pixels: left column x, top row y."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def of(self, image: Float) -> Float:
+        """The part of `image` inside the window."""
+        return image[self.y : self.y + self.height, self.x : self.x + self.width]
+
+
+def choose_crops(comparison: Comparison, width: int, height: int) -> tuple[Box, ...]:
+    """Two windows of width x height pixels; one if there is no room for a second. Ties go to the top left."""
+    reference = display(comparison.reference).astype(np.float64)
+    error = np.zeros(reference.shape[:2])
+    for row in comparison.rows:
+        error += ((display(row.image) - reference) ** 2).sum(axis=2)
+    blur = ((display(comparison.pinhole) - reference) ** 2).sum(axis=2)
+
+    first = _best(_window_sums(error, width, height))
+    if first is None:
+        return ()
+    sums = _window_sums(blur, width, height)
+    # A window that starts closer than its own size in both directions would overlap the first.
+    x, y = first
+    sums[max(0, y - height + 1) : y + height, max(0, x - width + 1) : x + width] = -np.inf
+    second = _best(sums)
+    corners = [first] if second is None else [first, second]
+    return tuple(Box(x, y, width, height) for x, y in corners)
+
+
+def _window_sums(values: Float, width: int, height: int) -> Float:
+    """Sum over the window whose top left pixel is (y, x), for every place where it fits."""
+    table = np.pad(values, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    high, low = table[height:], table[:-height]
+    return high[:, width:] - high[:, :-width] - low[:, width:] + low[:, :-width]
+
+
+def _best(sums: Float) -> tuple[int, int] | None:
+    """Corner (x, y) of the largest sum, or None if no window is left.
+
+    Rounded, so that the order of additions cannot decide a tie.
+    """
+    if sums.size == 0 or np.isneginf(sums.max()):
+        return None
+    y, x = np.unravel_index(int(np.argmax(np.round(sums, 9))), sums.shape)
+    return int(x), int(y)

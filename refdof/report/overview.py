@@ -1,0 +1,222 @@
+"""Overview: every method beside the reference in one figure, with two crops and the error each.
+
+The only file that imports matplotlib. Each cell shows, from top to bottom: name and scores, the picture, two
+crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
+display image; under the reference four times its standard error. Methods are broken into bands of at most
+five, each of which begins with the reference.
+"""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from refdof._check import Float
+from refdof.atomic import atomic_path
+from refdof.comparison import Comparison
+from refdof.display import display, display_slope
+from refdof.report.crops import Box, choose_crops
+from refdof.report.table import cells
+
+__all__ = ["ERROR_SCALE", "write_overview"]
+
+ERROR_SCALE = 4
+
+_WIDTH_PX = 1600
+_CELL_PX = 480  # at most, where few methods leave much room
+_METHODS_PER_BAND = 5
+_MARGIN_PX, _GAP_PX, _CROP_GAP_PX = 16, 12, 4
+_HEADER_PX, _TITLE_PX, _LABEL_PX, _BAND_GAP_PX = 40, 46, 22, 22
+_TALLEST = 1.6  # height / width of a picture; taller ones are made narrower
+_FONT, _DPI = "DejaVu Sans", 100  # the font comes with matplotlib
+_CROP_COLORS = ("#ff8c1a", "#19b5e8")
+_TIMES = "\N{MULTIPLICATION SIGN}"
+_INK, _PALE_INK = "#111111", "#666666"
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Sizes in pixels of the figure; `zoom` is the crops' whole magnification."""
+
+    columns: int
+    bands: int
+    cell: int
+    picture: tuple[int, int]
+    crop: tuple[int, int]
+    zoom: int
+
+    @property
+    def band_height(self) -> int:
+        return (
+            _TITLE_PX
+            + 2 * self.picture[1]
+            + _CROP_GAP_PX
+            + self.zoom * self.crop[1]
+            + _LABEL_PX
+            + _BAND_GAP_PX
+        )
+
+    @property
+    def size(self) -> tuple[int, int]:
+        width = 2 * _MARGIN_PX + self.columns * (self.cell + _GAP_PX) - _GAP_PX
+        return width, _HEADER_PX + self.bands * self.band_height
+
+
+@dataclass(frozen=True, eq=False)
+class _Cell:
+    """What one cell shows: images (H, W, 3) in [0, 1]."""
+
+    title: str
+    scores: str
+    image: Float
+    error_label: str
+    error: Float
+
+
+def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None:
+    """Draw the figure into the PNG file `path`: at most 1600 px wide, as high as the methods need."""
+    layout = _layout(comparison)
+    crops = choose_crops(comparison, *layout.crop)
+    width, height = layout.size
+    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    _header(figure, comparison, width)
+
+    reference, *methods = _cells(comparison)
+    for band in range(layout.bands):
+        first = band * (layout.columns - 1)
+        shown = [reference, *methods[first : first + layout.columns - 1]]
+        for column, cell in enumerate(shown):
+            x = _MARGIN_PX + column * (layout.cell + _GAP_PX)
+            _draw_cell(figure, layout, cell, crops, x, _HEADER_PX + band * layout.band_height)
+
+    with atomic_path(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=_DPI, metadata={"Software": None})
+
+
+def _layout(comparison: Comparison) -> _Layout:
+    height, width = comparison.reference.shape[:2]
+    count = len(comparison.rows)
+    bands = max(1, math.ceil(count / _METHODS_PER_BAND))
+    columns = 1 + math.ceil(count / bands)
+    cell = min(_CELL_PX, (_WIDTH_PX - 2 * _MARGIN_PX + _GAP_PX) // columns - _GAP_PX)
+
+    ratio = height / width
+    picture_width = max(24, round(cell * min(1.0, _TALLEST / ratio)))
+    picture_height = min(max(8, round(picture_width * ratio)), round(cell * _TALLEST))
+
+    # A crop is about a fifth of the picture wide and fills, magnified, half of the cell's picture.
+    room = (picture_width - _CROP_GAP_PX) // 2
+    zoom = max(1, round(room / (width / 5.0)))
+    crop_width = min(width, max(1, room // zoom))
+    zoom = room // crop_width
+    crop_height = min(height, max(1, round(crop_width * min(max(ratio, 0.5), 1.5))))
+    return _Layout(columns, bands, cell, (picture_width, picture_height), (crop_width, crop_height), zoom)
+
+
+def _cells(comparison: Comparison) -> list[_Cell]:
+    """The reference's cell, then one for each method."""
+    reference = display(comparison.reference)
+    noise = display_slope(comparison.reference) * comparison.standard_error
+    label = f"{ERROR_SCALE} {_TIMES} standard error"
+    shown = [_Cell("reference", _floor(comparison), reference, label, _scaled(noise))]
+    for row in comparison.rows:
+        psnr, ssim, flip = cells(row)[:3]
+        image = display(row.image)
+        error = _scaled(np.abs(image - reference))
+        shown.append(
+            _Cell(row.method, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error)
+        )
+    return shown
+
+
+def _scaled(error: Float) -> Float:
+    return np.clip(ERROR_SCALE * error, 0.0, 1.0)
+
+
+def _floor(comparison: Comparison) -> str:
+    floor = comparison.noise_floor_psnr
+    return f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
+
+
+def _header(figure: Figure, comparison: Comparison, width: int) -> None:
+    height, columns = comparison.reference.shape[:2]
+    about = f"{columns} {_TIMES} {height} px, {comparison.samples:.0f} samples per pixel"
+    name = _text(figure, _MARGIN_PX, 12, comparison.scene, 17, weight="bold")
+    end = name.get_window_extent(figure.canvas.get_renderer()).x1  # type: ignore[attr-defined]
+    _text(figure, end + 14, 15, about, 13, color=_PALE_INK)
+    if width > 900:
+        _text(
+            figure,
+            width - _MARGIN_PX,
+            15,
+            "PSNR · SSIM · FLIP of the display image",
+            13,
+            color=_PALE_INK,
+            align="right",
+        )
+
+
+def _draw_cell(figure: Figure, layout: _Layout, cell: _Cell, crops: Sequence[Box], x: int, y: int) -> None:
+    width, height = layout.picture
+    _text(figure, x, y + 4, cell.title, 15, weight="bold")
+    _text(figure, x, y + 24, cell.scores, 13)
+    y += _TITLE_PX
+    _draw_picture(figure, cell.image, crops, (x, y, width, height))
+    y += height + _CROP_GAP_PX
+    for k, crop in enumerate(crops):
+        shown = (layout.zoom * crop.width, layout.zoom * crop.height)
+        left = x if k == 0 else x + width - shown[0]
+        axes = _axes(figure, (left, y, *shown))
+        axes.imshow(crop.of(cell.image), interpolation="nearest", aspect="auto")
+        for spine in axes.spines.values():
+            spine.set(visible=True, edgecolor=_CROP_COLORS[k], linewidth=2.0)
+    y += layout.zoom * layout.crop[1]
+    _text(figure, x, y + 5, cell.error_label, 12, color=_PALE_INK)
+    _draw_picture(figure, cell.error, crops, (x, y + _LABEL_PX, width, height))
+
+
+def _draw_picture(
+    figure: Figure, image: Float, crops: Sequence[Box], place: tuple[int, int, int, int]
+) -> None:
+    axes = _axes(figure, place)
+    smaller = place[2] < image.shape[1] or place[3] < image.shape[0]
+    axes.imshow(image, interpolation="hanning" if smaller else "nearest", aspect="auto")
+    for crop, color in zip(crops, _CROP_COLORS, strict=False):
+        corner = (crop.x - 0.5, crop.y - 0.5)
+        axes.add_patch(Rectangle(corner, crop.width, crop.height, fill=False, edgecolor=color, linewidth=1.4))
+
+
+def _axes(figure: Figure, place: tuple[int, int, int, int]):
+    """Bare axes at (left, top, width, height), all in whole pixels."""
+    full_width, full_height = figure.get_size_inches() * _DPI
+    x, y, width, height = place
+    bottom = full_height - y - height
+    axes = figure.add_axes((x / full_width, bottom / full_height, width / full_width, height / full_height))
+    axes.set(xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    return axes
+
+
+def _text(
+    figure: Figure, x: float, y: float, text: str, size: float, *, color=_INK, weight="normal", align="left"
+):
+    """Text with its top left (or right) at pixel (x, y); `size` in pixels. A "$" is only a "$"."""
+    full_width, full_height = figure.get_size_inches() * _DPI
+    return figure.text(
+        x / full_width,
+        1.0 - y / full_height,
+        text,
+        fontsize=size * 72.0 / _DPI,
+        color=color,
+        fontweight=weight,
+        fontfamily=_FONT,
+        horizontalalignment=align,
+        verticalalignment="top",
+        parse_math=False,
+    )

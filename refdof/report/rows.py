@@ -1,0 +1,110 @@
+"""Rows: a comparison as plain values for JSON, CSV and the tables.
+
+Strict JSON has no infinity and no NaN: an infinite number (the PSNR of identical images, focus at infinity)
+becomes the string "inf" or "-inf", a NaN or a missing score becomes null.
+"""
+
+import math
+import shlex
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from refdof.comparison import Comparison, Row
+from refdof.lens import ThinLens
+from refdof.metrics import FLIP_PPD
+
+__all__ = ["DISPLAY", "SCORES", "at_noise_floor", "command_of", "plain", "rows_as_json"]
+
+SCORES = ("psnr", "ssim", "flip", "rmse", "rel_mse", "max_abs")
+
+# What a score of the display image needs beside it to mean anything.
+DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
+
+_FLOOR_MARGIN_DB = 3.0  # here the reference's noise makes up half of the error or more
+
+
+def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
+    """The content of ``table.json``: strings, numbers, null, lists and dicts only.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    command : str
+        What reproduces it; empty: the nearest `refdof compare` line, made from what the comparison holds.
+    """
+    return {
+        "scene": comparison.scene,
+        "camera": plain(asdict(comparison.camera)),
+        "lens": _lens(comparison.lens),
+        "reference": {
+            "samples": plain(comparison.samples),
+            "seconds": plain(comparison.seconds),
+            "noise_floor_psnr": plain(comparison.noise_floor_psnr),
+        },
+        "display": dict(DISPLAY),
+        "command": command or command_of(comparison),
+        "rows": [
+            {
+                "method": row.method,
+                "params": plain(row.params),
+                **{name: plain(row.scores.get(name)) for name in SCORES},
+                "prepare_s": plain(row.prepare_s),
+                "blur_s": plain(row.blur_s),
+                "at_noise_floor": at_noise_floor(row, comparison),
+            }
+            for row in comparison.rows
+        ],
+    }
+
+
+def at_noise_floor(row: Row, comparison: Comparison) -> bool:
+    """True if the PSNR is within 3 dB of the noise floor: the reference's noise is then half of the error."""
+    floor = comparison.noise_floor_psnr
+    return math.isfinite(floor) and bool(row.scores.get("psnr", math.nan) >= floor - _FLOOR_MARGIN_DB)
+
+
+def command_of(comparison: Comparison) -> str:
+    """A `refdof compare` line for this shot; a camera that is not the scene's own cannot be said there."""
+    camera, lens = comparison.camera, comparison.lens
+    words = ["refdof", "compare", comparison.scene, "--size", f"{camera.width}x{camera.height}"]
+    words += ["--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
+    words += ["--samples", str(round(comparison.samples))]
+    words += ["--methods", ",".join(dict.fromkeys(row.method for row in comparison.rows))]
+    for row in comparison.rows:
+        for key, value in row.params.items():
+            words += ["--set", f"{row.method}.{key}={value}"]
+    return shlex.join([*words, "--out", "DIR"])
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types; what JSON cannot say becomes its text."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        if math.isnan(value):
+            return None
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, dict):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    return str(value)
+
+
+def _lens(lens: ThinLens) -> dict[str, Any]:
+    aperture = lens.aperture
+    if aperture.is_image:
+        shape = f"image of {aperture.weights.shape[1]} x {aperture.weights.shape[0]} texels"
+    elif len(aperture.boundary):
+        shape = f"polygon of {len(aperture.boundary)} corners"
+    else:
+        shape = "disc"
+    return {
+        "radius": plain(lens.radius),
+        "focus_distance": plain(lens.focus_distance),
+        "aperture": {"shape": shape, "scale": plain(aperture.scale)},
+    }

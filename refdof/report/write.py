@@ -1,0 +1,115 @@
+"""Write: the files of a report. Each is replaced in one step; other files in the folder are left alone."""
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from refdof._check import Float, InputError
+from refdof.atomic import write_text
+from refdof.comparison import Comparison
+from refdof.image_file import save_image
+from refdof.report.page import index_page, report_page
+from refdof.report.rows import rows_as_json
+from refdof.report.table import csv_table, markdown_table
+
+__all__ = ["write_comparison", "write_comparisons"]
+
+
+def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], command: str = "") -> None:
+    """Write one scene's report.
+
+    ============================  ==================================================================
+    table.md, table.csv           the scores, rounded for reading and in full
+    table.json                    the same with camera, lens and reference; see `rows_as_json`
+    <name>.png, <name>.npy        display image and linear float32 of "reference", "pinhole" and
+                                  every method
+    overview.png                  every method beside the reference, with crops and errors
+    report.html                   one offline page to flip the images in place
+    ============================  ==================================================================
+
+    Parameters
+    ----------
+    comparison : Comparison
+    folder : path
+        Made if missing.
+    command : str
+        What reproduces the report; shown in it. Empty: the nearest `refdof compare` line.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written, or an image is not finite or not of the reference's shape.
+    """
+    from refdof.report.overview import write_overview  # matplotlib takes 0.4 s to import
+
+    target = Path(folder)
+    images = _images(comparison)
+    for name, image in images:
+        save_image(target / f"{name}.png", image)
+        save_image(target / f"{name}.npy", image.astype("float32"))
+    _write_tables([comparison], target, rows_as_json(comparison, command))
+    write_overview(comparison, target / "overview.png")
+    write_text(target / "report.html", report_page(comparison, command))
+
+
+def write_comparisons(
+    comparisons: Sequence[Comparison], folder: str | os.PathLike[str], command: str = ""
+) -> None:
+    """Write the reports of one or more scenes.
+
+    One scene goes directly into `folder`. Several go into a folder each, named by the scene; above them
+    stand the joined tables (``table.json`` is then a list) and an index page.
+
+    Raises
+    ------
+    InputError
+        As `write_comparison`; also if there is no comparison.
+    """
+    if not comparisons:
+        raise InputError("comparisons: got none; allowed is at least one")
+    if len(comparisons) == 1:
+        write_comparison(comparisons[0], folder, command)
+        return
+    target = Path(folder)
+    names = _distinct([comparison.scene for comparison in comparisons])
+    for name, comparison in zip(names, comparisons, strict=True):
+        write_comparison(comparison, target / name, command)
+    _write_tables(comparisons, target, [rows_as_json(comparison, command) for comparison in comparisons])
+    write_text(target / "report.html", index_page(comparisons, names, command))
+
+
+def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any) -> None:
+    write_text(folder / "table.md", markdown_table(comparisons))
+    write_text(folder / "table.csv", csv_table(comparisons))
+    write_text(
+        folder / "table.json", json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    )
+
+
+def _images(comparison: Comparison) -> list[tuple[str, Float]]:
+    """File name without suffix, and image, of everything that gets a picture."""
+    names = _distinct(["reference", "pinhole", *(row.method for row in comparison.rows)])
+    images = [comparison.reference, comparison.pinhole, *(row.image for row in comparison.rows)]
+    for name, image in zip(names, images, strict=True):
+        if image.shape != comparison.reference.shape:
+            raise InputError(
+                f"{name}: got shape {image.shape}; allowed is the reference's {comparison.reference.shape}"
+            )
+    return list(zip(names, images, strict=True))
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """Names that are safe and different as file names, in any letter case."""
+    taken: set[str] = set()
+    result = []
+    for name in names:
+        safe = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip(".-") or "unnamed"
+        candidate, number = safe, 2
+        while candidate.lower() in taken:
+            candidate, number = f"{safe}-{number}", number + 1
+        taken.add(candidate.lower())
+        result.append(candidate)
+    return result

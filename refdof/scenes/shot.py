@@ -1,0 +1,124 @@
+"""Shots: the TOML files of the built-in scenes, read and checked.
+
+A file holds what is chosen rather than made: title, background, [light], [camera], [lens], the seed of
+the random numbers, and [numbers] for the scene's generator.
+"""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from refdof._check import InputError, as_color, as_integer, as_number
+from refdof.aperture import Aperture
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+from refdof.scene import Light
+
+__all__ = ["Shot", "parse_shot", "read_shot"]
+
+_TOP = ("title", "shows", "inspired_by", "seed", "background", "light", "camera", "lens", "numbers")
+_LIGHT = ("sun_direction", "sun", "sky", "ground")
+_CAMERA = ("eye", "target", "up", "fov_y", "size")
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A scene's file.
+
+    Attributes
+    ----------
+    title : what is seen; shows : the phenomenon, one sentence; inspired_by : paper and figure
+    seed : int, of the scene's random numbers
+    background : (3,) linear RGB
+    light, camera, lens : the suggested shot
+    numbers : what the generator is told, by name
+    """
+
+    title: str
+    shows: str
+    inspired_by: str
+    seed: int
+    background: tuple[float, float, float]
+    light: Light
+    camera: Camera
+    lens: ThinLens
+    numbers: dict[str, float]
+
+
+def read_shot(name: str, numbers: Iterable[str]) -> Shot:
+    """The shot of a built-in scene; `numbers` are the names that its generator needs.
+
+    Raises
+    ------
+    InputError
+        If a key is missing, unknown, or has a bad value; the file and the key are named.
+    """
+    file = f"{name}.toml"
+    try:
+        text = resources.files("refdof.data.scenes").joinpath(file).read_text(encoding="utf-8")
+    except (ModuleNotFoundError, FileNotFoundError):  # a checkout that is not installed
+        text = (Path(__file__).parents[2] / "data" / "scenes" / file).read_text(encoding="utf-8")
+    return parse_shot(file, text, numbers)
+
+
+def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
+    """Like `read_shot`, from the text of `file`."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{file}: got {error}; allowed is a TOML file") from None
+    _keys(file, table, _TOP)
+    light, camera, lens = (_table(file, table, key) for key in ("light", "camera", "lens"))
+    _keys(f"{file}: light", light, _LIGHT)
+    _keys(f"{file}: camera", camera, _CAMERA)
+    _keys(f"{file}: lens", lens, ("radius", "focus_distance"), ("blades", "rotation", "curvature"))
+    for key in ("rotation", "curvature"):
+        if key in lens and "blades" not in lens:
+            raise InputError(
+                f"{file}: lens: {key}: needs blades; allowed is a lens without it, or with blades"
+            )
+    chosen = _table(file, table, "numbers")
+    _keys(f"{file}: numbers", chosen, tuple(numbers))
+    words = {key: table[key] for key in ("title", "shows", "inspired_by")}
+    for key, value in words.items():
+        if not isinstance(value, str) or not value.strip():
+            raise InputError(f"{file}: {key}: got {value!r}; allowed is a sentence")
+    try:
+        return Shot(
+            **words,
+            seed=as_integer("seed", table["seed"], minimum=0),
+            background=as_color("background", table["background"]),
+            light=Light(**light),
+            camera=Camera(**camera),
+            lens=_lens(lens),
+            numbers={key: as_number(key, value) for key, value in chosen.items()},
+        )
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+
+
+def _lens(table: Mapping[str, Any]) -> ThinLens:
+    if "blades" not in table:
+        return ThinLens(table["radius"], table["focus_distance"])
+    opening = Aperture.polygon(table["blades"], table.get("rotation", 0.0), table.get("curvature", 0.0))
+    return ThinLens(table["radius"], table["focus_distance"], opening)
+
+
+def _table(file: str, table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    if not isinstance(table[key], dict):
+        raise InputError(f"{file}: {key}: got {table[key]!r}; allowed is a table [{key}]")
+    return table[key]
+
+
+def _keys(where: str, table: Mapping[str, Any], needed: Iterable[str], optional: Iterable[str] = ()) -> None:
+    """Raise if a key is missing or unknown."""
+    needed = tuple(needed)
+    for key in needed:
+        if key not in table:
+            raise InputError(f"{where}: {key}: missing; needed are {', '.join(needed)}")
+    for key in table:
+        if key not in (*needed, *optional):
+            raise InputError(f"{where}: {key}: unknown; allowed are {', '.join((*needed, *optional))}")

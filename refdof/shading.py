@@ -1,0 +1,132 @@
+"""Shading: the light that leaves a surface point towards a ray, for kernels. Formulas: `refdof.scene`.
+
+References
+----------
+.. [1] Phong (1975), Illumination for Computer Generated Pictures, Communications of the ACM 18(6).
+.. [2] Cigolle et al. (2014), A Survey of Efficient Representations for Independent Unit Vectors (octahedral map).
+"""
+
+import math
+
+from refdof._jit import inline
+from refdof.scene import SHADINGS
+
+__all__ = ["shade", "shading_normal"]
+
+_UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
+
+
+@inline
+def shade(surfaces, face, u, v, dx, dy, dz):
+    """Linear RGB that leaves barycentrics (u, v) of a triangle against the ray direction (dx, dy, dz)."""
+    material = surfaces.face_material[face]
+    a = surfaces.attribute
+    w = 1.0 - u - v
+    red = surfaces.base_color[material, 0] * (w * a[face, 0] + u * a[face, 3] + v * a[face, 6])
+    green = surfaces.base_color[material, 1] * (w * a[face, 1] + u * a[face, 4] + v * a[face, 7])
+    blue = surfaces.base_color[material, 2] * (w * a[face, 2] + u * a[face, 5] + v * a[face, 8])
+    if surfaces.texture[material, 1] > 0:
+        s = w * a[face, 9] + u * a[face, 11] + v * a[face, 13]
+        t = w * a[face, 10] + u * a[face, 12] + v * a[face, 14]
+        tr, tg, tb = _texel(surfaces.texels, surfaces.texture[material], s, t)
+        red, green, blue = red * tr, green * tg, blue * tb
+    if surfaces.shading[material] != _UNLIT:
+        red, green, blue = _lit(surfaces, material, face, w, u, v, dx, dy, dz, red, green, blue)
+    emission = surfaces.emission
+    return red + emission[material, 0], green + emission[material, 1], blue + emission[material, 2]
+
+
+@inline
+def shading_normal(surfaces, face, w, u, v, dx, dy, dz):
+    """Unit normal at barycentrics (w, u, v), on the side of the triangle that the ray meets.
+
+    The triangle decides, not the interpolated normal: near a silhouette that may lean away from the viewer.
+    """
+    a, c = surfaces.attribute, surfaces.corner
+    ex, ey, ez = c[face, 3] - c[face, 0], c[face, 4] - c[face, 1], c[face, 5] - c[face, 2]
+    fx, fy, fz = c[face, 6] - c[face, 0], c[face, 7] - c[face, 1], c[face, 8] - c[face, 2]
+    gx, gy, gz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+    nx = w * a[face, 15] + u * a[face, 18] + v * a[face, 21]
+    ny = w * a[face, 16] + u * a[face, 19] + v * a[face, 22]
+    nz = w * a[face, 17] + u * a[face, 20] + v * a[face, 23]
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    if length == 0.0:  # opposite corner normals cancel
+        nx, ny, nz, length = -dx, -dy, -dz, math.sqrt(dx * dx + dy * dy + dz * dz)
+    away = (gx * dx + gy * dy + gz * dz > 0.0) == (gx * nx + gy * ny + gz * nz > 0.0)
+    flip = -1.0 / length if away else 1.0 / length
+    return nx * flip, ny * flip, nz * flip
+
+
+@inline
+def _lit(surfaces, material, face, w, u, v, dx, dy, dz, red, green, blue):
+    """Albedo times irradiance, plus what a Phong surface mirrors."""
+    nx, ny, nz = shading_normal(surfaces, face, w, u, v, dx, dy, dz)
+    light = surfaces.light
+    cosine = max(0.0, nx * light[0, 0] + ny * light[0, 1] + nz * light[0, 2])
+    dome = 0.5 + 0.5 * (nx * light[4, 0] + ny * light[4, 1] + nz * light[4, 2])
+    red *= light[1, 0] * cosine + light[3, 0] + (light[2, 0] - light[3, 0]) * dome
+    green *= light[1, 1] * cosine + light[3, 1] + (light[2, 1] - light[3, 1]) * dome
+    blue *= light[1, 2] * cosine + light[3, 2] + (light[2, 2] - light[3, 2]) * dome
+    if surfaces.shading[material] == _PHONG:
+        twice = -2.0 * (nx * dx + ny * dy + nz * dz)
+        rx, ry, rz = dx + twice * nx, dy + twice * ny, dz + twice * nz
+        length = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
+        rx, ry, rz = rx * length, ry * length, rz * length
+        lobe = max(0.0, rx * light[0, 0] + ry * light[0, 1] + rz * light[0, 2]) ** surfaces.shininess[material]
+        er, eg, eb = _environment(surfaces, rx, ry, rz)
+        specular = surfaces.specular
+        red += specular[material, 0] * (light[1, 0] * lobe + er)
+        green += specular[material, 1] * (light[1, 1] * lobe + eg)
+        blue += specular[material, 2] * (light[1, 2] * lobe + eb)
+    return red, green, blue
+
+
+@inline
+def _environment(surfaces, x, y, z):
+    """What a mirror sees in camera-space direction (x, y, z): octahedral map, bilinear, [2]."""
+    m, light, image = surfaces.world_from_camera, surfaces.light, surfaces.environment
+    wx = m[0, 0] * x + m[0, 1] * y + m[0, 2] * z
+    wy = m[1, 0] * x + m[1, 1] * y + m[1, 2] * z
+    wz = m[2, 0] * x + m[2, 1] * y + m[2, 2] * z
+    size = image.shape[0]
+    if size == 0:
+        dome = 0.5 + 0.5 * wy
+        return (
+            light[3, 0] + (light[2, 0] - light[3, 0]) * dome,
+            light[3, 1] + (light[2, 1] - light[3, 1]) * dome,
+            light[3, 2] + (light[2, 2] - light[3, 2]) * dome,
+        )
+    total = abs(wx) + abs(wy) + abs(wz)
+    p, q = wx / total, wz / total
+    if wy < 0.0:  # the lower half folds over the edges
+        p, q = (1.0 - abs(q)) * (1.0 if p >= 0.0 else -1.0), (1.0 - abs(p)) * (1.0 if q >= 0.0 else -1.0)
+    fx = min(max((p * 0.5 + 0.5) * size - 0.5, 0.0), size - 1.0)
+    fy = min(max((q * 0.5 + 0.5) * size - 0.5, 0.0), size - 1.0)
+    i, j = int(fx), int(fy)
+    k, n = min(i + 1, size - 1), min(j + 1, size - 1)
+    a, b = fx - i, fy - j
+    return (
+        (1.0 - b) * ((1.0 - a) * image[j, i, 0] + a * image[j, k, 0]) + b * ((1.0 - a) * image[n, i, 0] + a * image[n, k, 0]),
+        (1.0 - b) * ((1.0 - a) * image[j, i, 1] + a * image[j, k, 1]) + b * ((1.0 - a) * image[n, i, 1] + a * image[n, k, 1]),
+        (1.0 - b) * ((1.0 - a) * image[j, i, 2] + a * image[j, k, 2]) + b * ((1.0 - a) * image[n, i, 2] + a * image[n, k, 2]),
+    )
+
+
+@inline
+def _texel(texels, texture, s, t):
+    """Bilinear, repeated lookup; (0, 0) is the lower left corner, row 0 the top row."""
+    first, width, height = texture[0], texture[1], texture[2]
+    fx = (s - math.floor(s)) * width - 0.5
+    fy = (1.0 - (t - math.floor(t))) * height - 0.5
+    i, j = math.floor(fx), math.floor(fy)
+    a, b = fx - i, fy - j
+    x0, y0 = int(i) % width, int(j) % height
+    x1, y1 = (x0 + 1) % width, (y0 + 1) % height
+    p, q = first + y0 * width + x0, first + y0 * width + x1
+    r, o = first + y1 * width + x0, first + y1 * width + x1
+    wp, wq, wr, wo = (1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b
+    return (
+        wp * texels[p, 0] + wq * texels[q, 0] + wr * texels[r, 0] + wo * texels[o, 0],
+        wp * texels[p, 1] + wq * texels[q, 1] + wr * texels[r, 1] + wo * texels[o, 1],
+        wp * texels[p, 2] + wq * texels[q, 2] + wr * texels[r, 2] + wo * texels[o, 2],
+    )

@@ -1,0 +1,30 @@
+"""Shot: camera and lens as plain numbers for kernels, in the unit of length of `Surfaces`."""
+
+import math
+from typing import NamedTuple
+
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+
+__all__ = ["Shot", "shot_of"]
+
+
+class Shot(NamedTuple):
+    """Picture size [px], P [px], lens radius [2^exponent scene units] and 1 / focus distance."""
+
+    width: int
+    height: int
+    pixels_per_tangent: float
+    lens_radius: float
+    inverse_focus: float
+
+
+def shot_of(camera: Camera, lens: ThinLens, exponent: int) -> Shot:
+    """Camera and lens, with lengths divided by 2^exponent."""
+    return Shot(
+        camera.width,
+        camera.height,
+        camera.pixels_per_tangent,
+        math.ldexp(lens.radius, -exponent),
+        1.0 / math.ldexp(lens.focus_distance, -exponent),
+    )

@@ -1,0 +1,137 @@
+"""View: a scene through a camera and a lens, with every raster product that somebody asks for, made once.
+
+Methods share the products of a comparison. The time of a product is booked as `prepare` to every method that
+used it, whoever asked first; what nobody asks for is never made.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index, InputError
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+from refdof.raster.peel import Layers, peel
+from refdof.raster.raycast import Tracer, new_tracer
+from refdof.scene import Scene
+from refdof.shot import Shot, shot_of
+from refdof.surfaces import Surfaces, surfaces_of
+
+__all__ = ["Booking", "Pinhole", "Triangles", "View"]
+
+
+class Pinhole(NamedTuple):
+    """What a pinhole sees: color (H, W, 3) float32, linear RGB; depth (H, W) float64 [scene units], inf: background."""
+
+    color: Float
+    depth: Float
+
+
+class Triangles(NamedTuple):
+    """Triangles for a rasteriser: vertices (V, 3) float64 in camera space [scene units], faces (F, 3) int64."""
+
+    vertices: Float
+    faces: Index
+
+
+@dataclass(eq=False)
+class Booking:
+    """The products used while it was open (seconds each took, without its ingredients), and the seconds spent on
+    making some of them in that time.
+    """
+
+    used: dict[str, float] = field(default_factory=dict)
+    spent: float = 0.0
+
+    @property
+    def prepare(self) -> float:
+        """Seconds that all used products took when they were made."""
+        return sum(self.used.values())
+
+
+class View:
+    """A scene, a camera and a lens, and the raster products made of them so far."""
+
+    def __init__(self, scene: Scene, camera: Camera, lens: ThinLens) -> None:
+        for name, value, kind in (("scene", scene, Scene), ("camera", camera, Camera), ("lens", lens, ThinLens)):
+            if not isinstance(value, kind):
+                raise InputError(f"{name}: got {type(value).__name__}; allowed is a refdof.{kind.__name__}")
+        self.scene, self.camera, self.lens = scene, camera, lens
+        self._products: dict[str, tuple[Any, dict[str, float]]] = {}
+        self._bookings: list[Booking] = []
+
+    @contextmanager
+    def booking(self) -> Iterator[Booking]:
+        """Note the products used inside the block."""
+        book = Booking()
+        self._bookings.append(book)
+        try:
+            yield book
+        finally:
+            self._bookings.remove(book)
+
+    def surfaces(self) -> Surfaces:
+        """The scene as arrays for kernels."""
+        return self._product("surfaces", lambda: surfaces_of(self.scene, self.camera))
+
+    def tracer(self) -> Tracer:
+        """Embree's acceleration structure in camera space."""
+
+        def build() -> Tracer:
+            exponent = self.surfaces().exponent
+            vertices = np.ldexp(self.camera.camera_from_world(self.scene.vertices), -exponent)
+            return new_tracer(vertices, self.scene.faces)
+
+        return self._product("tracer", build)
+
+    def shot(self) -> Shot:
+        """Camera and lens for kernels."""
+        return shot_of(self.camera, self.lens, self.surfaces().exponent)
+
+    def pinhole(self) -> Pinhole:
+        """Colour and depth through the pixel centres."""
+
+        def build() -> Pinhole:
+            first = self.layers(1)
+            empty = first.triangle[0] < 0
+            color = first.color[0].copy()
+            color[empty] = self.scene.background
+            return Pinhole(color, first.depth[0])
+
+        return self._product("pinhole", build)
+
+    def layers(self, count: int | None = None) -> Layers:
+        """The nearest `count` surfaces through the pixel centres; None: all of them."""
+
+        def build() -> Layers:
+            return peel(self.surfaces(), self.tracer(), self.shot(), count)
+
+        return self._product(f"layers {count or 'all'}", build)
+
+    def triangles(self) -> Triangles:
+        """The triangles in camera space."""
+        vertices = self._product("triangles", lambda: self.camera.camera_from_world(self.scene.vertices))
+        return Triangles(vertices, self.scene.faces)
+
+    def coc_px(self) -> Float:
+        """Signed circle of confusion of the pinhole's depth: (H, W) float64 [px]."""
+        return self._product("coc", lambda: self.lens.coc_px(self.pinhole().depth, self.camera))
+
+    def _product(self, name: str, build: Callable[[], Any]) -> Any:
+        """The product `name`, made now if it is not there yet."""
+        if name not in self._products:
+            with self.booking() as book:
+                start = time.perf_counter()
+                value = build()
+                own = time.perf_counter() - start - book.spent
+            for other in self._bookings:
+                other.spent += own
+            self._products[name] = value, {**book.used, name: own}
+        value, used = self._products[name]
+        for book in self._bookings:
+            book.used.update(used)
+        return value

@@ -1,0 +1,151 @@
+"""The gate: what passes comes out as stated, what does not is named in one line."""
+
+import re
+
+import numpy as np
+import pytest
+
+from refdof import _check
+from refdof._check import InputError
+
+NAN, INF = float("nan"), float("inf")
+
+
+def test_as_float_keeps_float_types_and_makes_doubles_of_the_rest():
+    assert _check.as_float("x", np.float32([1, 2]), (2,)).dtype == np.float32
+    assert _check.as_float("x", np.float64([1, 2]), (2,)).dtype == np.float64
+    assert _check.as_float("x", np.float16([1, 2]), (2,)).dtype == np.float64
+    assert _check.as_float("x", [1, 2], (2,)).dtype == np.float64
+    assert _check.as_float("x", [1.5], (1,), dtype=np.float32).dtype == np.float32
+
+
+def test_as_float_returns_contiguous_arrays_of_the_same_values():
+    source = np.arange(12.0).reshape(3, 4).T
+    array = _check.as_float("x", source, (4, None))
+    assert array.flags.c_contiguous
+    np.testing.assert_array_equal(array, source)
+
+
+def test_as_float_takes_a_single_number():
+    array = _check.as_float("x", 2.5, ())
+    assert array.shape == ()
+    assert array == 2.5
+
+
+def test_as_float_allows_infinities_only_where_told():
+    assert _check.as_float("x", [INF], (1,), finite=False)[0] == INF
+    with pytest.raises(InputError, match=r"x: has 1 infinite"):
+        _check.as_float("x", [INF, 1.0], (2,))
+
+
+BAD_FLOATS = [
+    ([1.0, NAN], {}, "1 NaN"),
+    ([1.0, NAN], {"finite": False}, "1 NaN"),
+    ([1.0, -0.5], {"minimum": 0.0}, "-0.5"),
+    ([1.0, 2.0, 3.0], {}, r"\(3,\)"),
+    ([[1.0, 2.0]], {}, r"\(1, 2\)"),
+    (["a", "b"], {}, "expected numbers"),
+    ([1j, 2.0], {}, "expected"),
+    ([[1.0], [1.0, 2.0]], {}, "expected numbers"),
+    (None, {}, "shape"),
+    ([1e300, 0.0], {"dtype": np.float32}, "infinite"),
+]
+
+
+@pytest.mark.parametrize(("value", "options", "words"), BAD_FLOATS)
+def test_as_float_refuses(value, options, words):
+    with pytest.raises(InputError, match=rf"^texture: .*{words}"):
+        _check.as_float("texture", value, (2,), **options)
+
+
+def test_as_index_makes_contiguous_int64():
+    faces = _check.as_index("faces", np.array([[0, 1], [2, 0]], dtype=np.uint8).T, (None, 2), end=3)
+    assert faces.dtype == np.int64
+    assert faces.flags.c_contiguous
+    np.testing.assert_array_equal(faces, [[0, 2], [1, 0]])
+
+
+def test_as_index_takes_an_empty_list():
+    assert _check.as_index("faces", np.zeros((0, 3)), (None, 3), end=0).dtype == np.int64
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ([0, 3], "3 is outside 0 .. 2"),
+        ([-1, 0], "-1 is outside"),
+        ([0.0, 1.0], "integers"),
+        ([0, 1, 2], "shape"),
+        ([True, False], "integers"),
+        ([[0], [0, 1]], "expected"),
+    ],
+)
+def test_as_index_refuses(value, words):
+    with pytest.raises(InputError, match=f"^faces: .*{words}"):
+        _check.as_index("faces", value, (2,), end=3)
+
+
+def test_as_number_has_inclusive_and_exclusive_ends():
+    assert _check.as_number("x", 0, minimum=0.0) == 0.0
+    assert _check.as_number("x", "179", above=0.0, maximum=179.0) == 179.0
+    assert _check.as_number("x", np.float32(0.5)) == 0.5
+    assert _check.as_number("x", INF, finite=False) == INF
+
+
+@pytest.mark.parametrize("value", [NAN, INF, -INF, -0.1, 0.0, 10.5, "wide", None, [1.0], 10**400, 1j])
+def test_as_number_refuses(value):
+    with pytest.raises(InputError, match=r"^focus: got .*; allowed is a finite number > 0 and <= 10$"):
+        _check.as_number("focus", value, above=0.0, maximum=10.0)
+
+
+def test_as_integer_takes_whole_numbers_of_any_type():
+    for value in (3, 3.0, np.int64(3), np.float32(3)):
+        number = _check.as_integer("samples", value, minimum=1)
+        assert (type(number), number) == (int, 3)
+
+
+@pytest.mark.parametrize("value", [0, -1, 9, 3.5, NAN, INF, True, None, "many", 10**400])
+def test_as_integer_refuses(value):
+    with pytest.raises(InputError, match=r"^samples: got .*; allowed is a whole number in 1 .. 8$"):
+        _check.as_integer("samples", value, minimum=1, maximum=8)
+
+
+@pytest.mark.parametrize("value", [(0, 0), (0, 0, 0, 0), (0, 0, NAN), (0, 0, INF), "xyz", 1.0, None])
+def test_as_vector_refuses(value):
+    with pytest.raises(InputError, match=r"^eye: "):
+        _check.as_vector("eye", value)
+
+
+def test_as_vector_and_color_return_plain_floats():
+    assert _check.as_vector("eye", np.float32([1, -2, 3])) == (1.0, -2.0, 3.0)
+    assert all(type(c) is float for c in _check.as_color("sky", [0, 1, 7]))  # HDR colours exceed 1
+    with pytest.raises(InputError, match=r"^sky: "):
+        _check.as_color("sky", (0, -1, 0))
+
+
+@pytest.mark.parametrize("value", [(0, 1), (1, 100), (1,), (1, 2, 3), 5, (1.5, 2), None])
+def test_as_pair_refuses(value):
+    with pytest.raises(InputError, match=r"^size: "):
+        _check.as_pair("size", value, minimum=1, maximum=99)
+
+
+def test_as_choice_names_the_nearest():
+    assert _check.as_choice("pattern", "sobol", ["sobol", "halton"]) == "sobol"
+    with pytest.raises(
+        InputError, match=r"^pattern: got 'sobl'; did you mean 'sobol'\? allowed are sobol, halton"
+    ):
+        _check.as_choice("pattern", "sobl", ["sobol", "halton"])
+    for value in ("zzz", None, 3, ["sobol"]):
+        with pytest.raises(InputError, match=r"^pattern: got .* allowed are sobol, halton"):
+            _check.as_choice("pattern", value, ["sobol", "halton"])
+
+
+def test_messages_are_one_line():
+    for call in (
+        lambda: _check.as_number("x", "a\nb"),
+        lambda: _check.as_choice("x", "a\nb", ["c"]),
+        lambda: _check.as_integer("x", "a\nb", minimum=0),
+    ):
+        with pytest.raises(InputError) as caught:
+            call()
+        assert not re.search(r"[\r\n]", str(caught.value))
