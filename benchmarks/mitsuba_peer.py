@@ -76,7 +76,12 @@ def find_llvm() -> str | None:
     paths = [Path(named)] if named and Path(named).is_absolute() else []
     for pattern in _LLVM_FOLDERS:
         folders = Path("/").glob(pattern.lstrip("/"))
-        paths += [path for folder in folders for name in ("libLLVM*.so*", "libLLVM.dylib") for path in folder.glob(name)]
+        paths += [
+            path
+            for folder in folders
+            for name in ("libLLVM*.so*", "libLLVM.dylib")
+            for path in folder.glob(name)
+        ]
 
     def version(path: Path) -> list[int]:
         return [int(number) for number in re.findall(r"\d+", path.name)]
@@ -150,7 +155,9 @@ def render(peer: Peer, samples: int, seed: int) -> PeerPicture:
     start_wall, start_cpu = time.perf_counter(), time.process_time()
     image = np.array(peer.mitsuba.render(peer.scene, sensor=sensor, integrator=peer.integrator, seed=seed))
     cpu, wall = time.process_time() - start_cpu, time.perf_counter() - start_wall
-    compiling = sum(k.get("codegen_time", 0.0) + k.get("backend_time", 0.0) for k in drjit.kernel_history()) / 1000.0
+    compiling = (
+        sum(k.get("codegen_time", 0.0) + k.get("backend_time", 0.0) for k in drjit.kernel_history()) / 1000.0
+    )
     return PeerPicture(image, sensor.sampler().sample_count(), wall - compiling, cpu - compiling, compiling)
 
 
@@ -192,7 +199,9 @@ def _sensor(peer: Peer, samples: int) -> Any:
         },
         "sampler": {"type": peer.sampler, "sample_count": samples},
     }
-    return peer.mitsuba.load_dict({"type": "thinlens" if peer.pixel_filter == "box" else "centred_thinlens", **words})
+    return peer.mitsuba.load_dict(
+        {"type": "thinlens" if peer.pixel_filter == "box" else "centred_thinlens", **words}
+    )
 
 
 def _register(mitsuba: Any) -> None:
@@ -207,7 +216,12 @@ def _register(mitsuba: Any) -> None:
             super().__init__(properties)
             transform = mitsuba.ScalarTransform4f(properties["to_world"].matrix)
             size = self.film().size()
-            film = {"type": "hdrfilm", "width": int(size[0]), "height": int(size[1]), "rfilter": {"type": "box"}}
+            film = {
+                "type": "hdrfilm",
+                "width": int(size[0]),
+                "height": int(size[1]),
+                "rfilter": {"type": "box"},
+            }
             self.lens = mitsuba.load_dict({"type": "thinlens", **words, "to_world": transform, "film": film})
             self.size = mitsuba.ScalarVector2f(size)
 
@@ -218,7 +232,9 @@ def _register(mitsuba: Any) -> None:
             return self.lens.sample_ray(time, wavelength, self._centred(position), aperture, active)
 
         def sample_ray_differential(self, time, wavelength, position, aperture, active=True):  # type: ignore[no-untyped-def]
-            return self.lens.sample_ray_differential(time, wavelength, self._centred(position), aperture, active)
+            return self.lens.sample_ray_differential(
+                time, wavelength, self._centred(position), aperture, active
+            )
 
     class FirstHit(mitsuba.SamplingIntegrator):
         """The vertex colour of the first surface on a ray, or the background's: the least that a ray can do."""

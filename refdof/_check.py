@@ -38,7 +38,7 @@ def as_float(
     value: Any,
     shape: Sequence[int | None],
     *,
-    dtype: npt.DTypeLike = None,
+    dtype: npt.DTypeLike | None = None,
     finite: bool = True,
     minimum: float | None = None,
 ) -> Float:

@@ -49,7 +49,13 @@ def _source_digest(package: Path) -> str:
     for path in sorted(package.rglob("*.py")):
         digest.update(path.relative_to(package).as_posix().encode())
         digest.update(path.read_bytes())
-    flags = (numba.__version__, platform.machine(), llvm.get_host_cpu_name(), str(numba.config.BOUNDSCHECK), sys.version)
+    flags = (
+        numba.__version__,
+        platform.machine(),
+        llvm.get_host_cpu_name(),
+        str(numba.config.BOUNDSCHECK),
+        sys.version,
+    )
     digest.update("|".join(flags).encode())
     return digest.hexdigest()[:16]
 
@@ -204,12 +210,12 @@ if JIT_DISABLED:
 else:
 
     @numba.njit(cache=True)
-    def call_address(address, first, second, third, fourth):  # type: ignore[no-untyped-def]
+    def call_address(address, first, second, third, fourth):
         """Call the C function at `address` with four pointers, all given as integers."""
         _call_compiled(address, first, second, third, fourth)
 
     @numba.njit(cache=True)
-    def borrow(array):  # type: ignore[no-untyped-def]
+    def borrow(array):
         """The same array without its reference count, for inner loops of many threads.
 
         Counting references to a shared array is an atomic write to one memory cell by every thread (measured: half of

@@ -102,7 +102,10 @@ def render(
     loaded, camera, lens = _shot(scene, size, lens_radius, focus)
     result = render_view(method, View(loaded, camera, lens), **params)
     save_image(output, result.image)
-    facts = {"output": str(output), **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()}}
+    facts = {
+        "output": str(output),
+        **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()},
+    }
     print(json.dumps(facts) if as_json else _words(facts))
 
 
@@ -110,7 +113,9 @@ def render(
 def compare(
     scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE ...]", help="Built-in scenes or files.")] = None,
     methods: Annotated[str | None, typer.Option("--methods", metavar="A,B,C", help="Default: all.")] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for table, pictures and report.")] = Path("out"),
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for table, pictures and report.")] = Path(
+        "out"
+    ),
     settings: Settings = None,
     size: Size = None,
     lens_radius: Radius = None,

@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from refdof._check import InputError
 from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
@@ -95,5 +97,5 @@ def warm_up(method: str, params: Mapping[str, Any]) -> None:
     """Compile what `method` needs on a picture of 8 x 8 pixels, so that times speak of the algorithm alone."""
     camera = Camera(eye=(0.0, 0.0, 2.0), target=(0.0, 0.0, 0.0), size=(8, 8))
     lens = ThinLens(radius=0.1, focus_distance=1.0)
-    triangle = Part([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]])
+    triangle = Part(np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]]))
     render_view(method, View(Scene.from_parts("warm-up", [triangle], camera, lens), camera, lens), **params)

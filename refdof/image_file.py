@@ -105,7 +105,5 @@ def _rgb_of_exr(path: str | os.PathLike[str]) -> Float:
 def _known_suffix(argument: str, path: str | os.PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        raise InputError(
-            f"{argument}: got {str(path)!r}; allowed are names that end in {', '.join(SUFFIXES)}"
-        )
+        raise InputError(f"{argument}: got {str(path)!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     return suffix

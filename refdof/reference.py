@@ -22,12 +22,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_choice, as_integer, as_number
+from refdof._check import Float, Index, as_choice, as_integer, as_number
 from refdof._jit import run_tasks
 from refdof.camera import Camera
-from refdof.noise_floor import noise_floor_psnr
 from refdof.lens import ThinLens
 from refdof.lens_rays import tile_order, trace_block
+from refdof.noise_floor import noise_floor_psnr
 from refdof.opening import opening_of
 from refdof.owen import MAX_LOG2, block_of
 from refdof.raster.raycast import LANES, new_packets, new_query
@@ -153,7 +153,12 @@ def estimate(
         result.image[:] = view.pinhole().color
         return _timed(result, start)
 
-    surfaces, tracer, shot, opening = view.surfaces(), view.tracer(), view.shot(), opening_of(view.lens.aperture)
+    surfaces, tracer, shot, opening = (
+        view.surfaces(),
+        view.tracer(),
+        view.shot(),
+        opening_of(view.lens.aperture),
+    )
     points = _power_of_two(-(-samples // replicates)) if tolerance is None else _FIRST_POINTS
 
     def trace(pixels: Index, first: int, count: int) -> Float:

@@ -14,10 +14,21 @@ has two sides: n is turned towards the viewer. No shadows: what a scene wants da
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_choice, as_color, as_float, as_index, as_number, as_vector
+from refdof._check import (
+    Float,
+    Index,
+    InputError,
+    as_choice,
+    as_color,
+    as_float,
+    as_index,
+    as_number,
+    as_vector,
+)
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 
@@ -184,7 +195,7 @@ class Scene:
         materials = list(dict.fromkeys(part.material for part in parts))
         face_material = [np.full(len(m[1]), materials.index(p.material)) for m, p in zip(meshes, parts, strict=True)]
 
-        def join(k: int, columns: int, dtype: type) -> Float:
+        def join(k: int, columns: int, dtype: type) -> Any:
             empty = np.zeros((0, columns))
             return np.concatenate([empty, *(m[k] for m in meshes)]).astype(dtype)
 

@@ -106,9 +106,12 @@ def _environment(surfaces, x, y, z):
     k, n = min(i + 1, size - 1), min(j + 1, size - 1)
     a, b = fx - i, fy - j
     return (
-        (1.0 - b) * ((1.0 - a) * image[j, i, 0] + a * image[j, k, 0]) + b * ((1.0 - a) * image[n, i, 0] + a * image[n, k, 0]),
-        (1.0 - b) * ((1.0 - a) * image[j, i, 1] + a * image[j, k, 1]) + b * ((1.0 - a) * image[n, i, 1] + a * image[n, k, 1]),
-        (1.0 - b) * ((1.0 - a) * image[j, i, 2] + a * image[j, k, 2]) + b * ((1.0 - a) * image[n, i, 2] + a * image[n, k, 2]),
+        (1.0 - b) * ((1.0 - a) * image[j, i, 0] + a * image[j, k, 0])
+        + b * ((1.0 - a) * image[n, i, 0] + a * image[n, k, 0]),
+        (1.0 - b) * ((1.0 - a) * image[j, i, 1] + a * image[j, k, 1])
+        + b * ((1.0 - a) * image[n, i, 1] + a * image[n, k, 1]),
+        (1.0 - b) * ((1.0 - a) * image[j, i, 2] + a * image[j, k, 2])
+        + b * ((1.0 - a) * image[n, i, 2] + a * image[n, k, 2]),
     )
 
 

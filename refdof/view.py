@@ -57,7 +57,11 @@ class View:
     """A scene, a camera and a lens, and the raster products made of them so far."""
 
     def __init__(self, scene: Scene, camera: Camera, lens: ThinLens) -> None:
-        for name, value, kind in (("scene", scene, Scene), ("camera", camera, Camera), ("lens", lens, ThinLens)):
+        for name, value, kind in (
+            ("scene", scene, Scene),
+            ("camera", camera, Camera),
+            ("lens", lens, ThinLens),
+        ):
             if not isinstance(value, kind):
                 raise InputError(f"{name}: got {type(value).__name__}; allowed is a refdof.{kind.__name__}")
         self.scene, self.camera, self.lens = scene, camera, lens

@@ -26,7 +26,12 @@ def edges():
     for angle, place in zip(random.uniform(0, 2 * np.pi, EDGES), random.uniform(-2, 2, EDGES), strict=True):
         normal, along = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
         foot = place * normal
-        corners = [foot - 99 * along, foot + 99 * along, foot + 99 * along - 99 * normal, foot - 99 * along - 99 * normal]
+        corners = [
+            foot - 99 * along,
+            foot + 99 * along,
+            foot + 99 * along - 99 * normal,
+            foot - 99 * along - 99 * normal,
+        ]
         points = np.column_stack([np.array(corners) * 2.0 / 8.0, np.full(4, -2.0)])  # at depth 2
         scene = stage.scene_of([Part(points, [[0, 1, 2], [0, 2, 3]], stage.paint((1.0,) * 3))], shot, lens)
         # 8 px * 1 * (1 / 1 - 1 / 2) = 4 px.
@@ -39,7 +44,8 @@ def slope(edges, draw):
     errors = []
     for count in COUNTS:
         squares = [
-            ((draw(scene, int(count), k) - truth) ** 2)[(truth > 0) & (truth < 1)] for k, (scene, truth) in enumerate(edges)
+            ((draw(scene, int(count), k) - truth) ** 2)[(truth > 0) & (truth < 1)]
+            for k, (scene, truth) in enumerate(edges)
         ]
         errors.append(np.sqrt(np.mean(np.concatenate(squares))))
     return np.polyfit(np.log(COUNTS), np.log(errors), 1)[0], errors
@@ -56,7 +62,9 @@ def test_one_net(edges):
 
 
 def test_sixteen_nets(edges):
-    fitted, errors = slope(edges, lambda scene, n, k: refdof.reference(scene, samples=n, seed=k).image[..., 0])
+    fitted, errors = slope(
+        edges, lambda scene, n, k: refdof.reference(scene, samples=n, seed=k).image[..., 0]
+    )
     assert fitted <= -0.7
     # Independent nets of N / 16 points: at N^-3/4 each, 16^(3/4 - 1/2) = 2 times the error of one net.
     assert errors[-1] < 0.01
@@ -67,7 +75,13 @@ def test_replicates_are_independent(edges):
     errors = []
     for replicates in (16, 64):
         squares = [
-            ((refdof.reference(scene, samples=64 * replicates, replicates=replicates).image[..., 0] - truth) ** 2).ravel()
+            (
+                (
+                    refdof.reference(scene, samples=64 * replicates, replicates=replicates).image[..., 0]
+                    - truth
+                )
+                ** 2
+            ).ravel()
             for scene, truth in edges
         ]
         errors.append(np.mean(np.concatenate(squares)))

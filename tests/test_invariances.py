@@ -24,8 +24,18 @@ def busy(seed=5):
     ]
     parts = []
     for material in materials:
-        corners = random.normal(0.0, 0.5, (24, 3)) + random.normal(0.0, [0.6, 0.5, 1.0], (8, 1, 3)).repeat(3, axis=1).reshape(-1, 3)
-        parts.append(Part(corners, np.arange(24).reshape(-1, 3), material, random.random((24, 2)), random.random((24, 3))))
+        corners = random.normal(0.0, 0.5, (24, 3)) + random.normal(0.0, [0.6, 0.5, 1.0], (8, 1, 3)).repeat(
+            3, axis=1
+        ).reshape(-1, 3)
+        parts.append(
+            Part(
+                corners,
+                np.arange(24).reshape(-1, 3),
+                material,
+                random.random((24, 2)),
+                random.random((24, 3)),
+            )
+        )
     return Scene.from_parts("busy", parts, shot, ThinLens(0.11, 2.1), (0.2, 0.3, 0.4), Light())
 
 
@@ -45,7 +55,9 @@ def assert_alike(one, other, share=1.0):
     # Difference of two Student means: 6 is beyond reach; 10 / N covers slivers that one side's samples all missed.
     assert (np.abs(one.image - other.image) <= 6.0 * spread + 10.0 / one.samples[..., None] + FLOAT32).all()
     # And as often above as below; with variance 15 / 13 or less, and 4 standard errors of the mean.
-    z = ((one.image - other.image)[..., 1] / np.where(spread > 0, spread, np.inf)[..., 1])[spread[..., 1] > 1e-4]
+    z = ((one.image - other.image)[..., 1] / np.where(spread > 0, spread, np.inf)[..., 1])[
+        spread[..., 1] > 1e-4
+    ]
     assert len(z) > 30
     assert abs(z.mean()) <= 4.0 * np.sqrt(15 / 13 / len(z))
 
@@ -141,16 +153,16 @@ def test_a_mirrored_world_gives_a_mirrored_picture():
     np.testing.assert_allclose(one.depth[:, ::-1], other.depth, rtol=1e-11)
     np.testing.assert_allclose(one.color[:, ::-1], other.color, rtol=1e-5, atol=1e-6)  # float32 attributes
     first, second = render(scene, samples=1024), render(mirrored, samples=1024, seed=4)
-    assert_alike(
-        type(first)(first.image[:, ::-1], first.standard_error[:, ::-1], first.samples, 0.0), second
-    )
+    assert_alike(type(first)(first.image[:, ::-1], first.standard_error[:, ::-1], first.samples, 0.0), second)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_order_of_faces_changes_no_bit(seed):
     scene = busy()
     order = np.random.default_rng(seed).permutation(len(scene.faces))
-    shuffled = Scene(**{**vars(scene), "faces": scene.faces[order], "face_material": scene.face_material[order]})
+    shuffled = Scene(
+        **{**vars(scene), "faces": scene.faces[order], "face_material": scene.face_material[order]}
+    )
     assert_same_bits(render(scene), render(shuffled))
     own, other = (View(s, s.camera, s.lens).layers() for s in (scene, shuffled))
     np.testing.assert_array_equal(own.depth, other.depth)
@@ -212,7 +224,11 @@ def test_the_light_of_a_lamp_does_not_depend_on_focus(radius):
     lamp = stage.rectangle(-1.5 * 2 / p, 1.5 * 2 / p, -1.0 * 2 / p, 1.0 * 2 / p, 2.0, (10.0, 20.0, 0.0))
     shot = stage.camera(31, 31, p)
     for focus in (0.25, 1.0, 1.9, 2.0, 7.0, np.inf):
-        result = render(stage.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512)
+        result = render(
+            stage.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512
+        )
         error = np.sqrt((result.standard_error.astype(float) ** 2).sum(axis=(0, 1)))
         # Independent pixels: 4 standard errors of their sum, and float32.
-        np.testing.assert_array_less(np.abs(result.image.sum(axis=(0, 1)) - [60.0, 120.0, 0.0]), 4 * error + 1e-3)
+        np.testing.assert_array_less(
+            np.abs(result.image.sum(axis=(0, 1)) - [60.0, 120.0, 0.0]), 4 * error + 1e-3
+        )

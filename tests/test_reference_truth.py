@@ -211,7 +211,10 @@ def test_contrast_of_a_painted_wave(turns):
     u = corners[:, 0] * p / depth / period
     material = refdof.Material("unlit", texture=texture.astype(np.float32))
     wall = Part(
-        np.column_stack([corners, np.full(4, -depth)]), [[0, 1, 2], [0, 2, 3]], material, np.stack([u, 0 * u], axis=1)
+        np.column_stack([corners, np.full(4, -depth)]),
+        [[0, 1, 2], [0, 2, 3]],
+        material,
+        np.stack([u, 0 * u], axis=1),
     )
     shot = stage.camera(16, 1, p)
     result = refdof.reference(stage.scene_of([wall], shot), shot, ThinLens(radius, focus), samples=4096)

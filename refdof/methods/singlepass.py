@@ -115,7 +115,9 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     return _spread(
         pad_planes(color, _MARGIN),
         pad_planes(guides.astype(color.dtype), _MARGIN),
-        np.array([(t.x, t.y, math.floor(dx + 0.5), math.floor(dy + 0.5)) for t, (dx, dy, _) in zip(split, taps, strict=True)]),
+        np.array(
+            [(t.x, t.y, math.floor(dx + 0.5), math.floor(dy + 0.5)) for t, (dx, dy, _) in zip(split, taps, strict=True)]
+        ),
         np.array([(t.weight_x, t.weight_y) for t in split], dtype=color.dtype),
         (taps[:, 2] - 0.5).astype(color.dtype),
         params.depth_filter == "bilinear",

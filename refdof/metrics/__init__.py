@@ -6,10 +6,10 @@
 
 from typing import Any
 
-from refdof.noise_floor import noise_floor_psnr
 from refdof.metrics.perceptual import FLIP_PPD, flip
 from refdof.metrics.pointwise import max_abs, psnr, psnr_8bit, rel_mse, rmse
 from refdof.metrics.structural import ssim
+from refdof.noise_floor import noise_floor_psnr
 
 __all__ = [
     "FLIP_PPD",

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index, as_integer
-from refdof._jit import borrow, call_address, inline, run_tasks, tile_kernel
+from refdof._jit import call_address, inline, run_tasks, tile_kernel
 from refdof.raster.raycast import Tracer, new_collector
 from refdof.shading import shade, shading_normal
 from refdof.shot import Shot
@@ -120,7 +120,11 @@ def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, count
                 layers.depth[k, y, x] = depth[k] * unit
                 layers.triangle[k, y, x] = face
                 red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
-                layers.color[k, y, x, 0], layers.color[k, y, x, 1], layers.color[k, y, x, 2] = red, green, blue
+                layers.color[k, y, x, 0], layers.color[k, y, x, 1], layers.color[k, y, x, 2] = (
+                    red,
+                    green,
+                    blue,
+                )
                 nx, ny, nz = shading_normal(surfaces, face, 1.0 - u - v, u, v, dx, dy, -1.0)
                 layers.normal[k, y, x, 0], layers.normal[k, y, x, 1], layers.normal[k, y, x, 2] = nx, ny, nz
 

@@ -24,7 +24,17 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import callback, load_int32, store_int32, thread_count
 
-__all__ = ["LANES", "ROWS", "Collector", "Row", "Tracer", "new_collector", "new_packets", "new_query", "new_tracer"]
+__all__ = [
+    "LANES",
+    "ROWS",
+    "Collector",
+    "Row",
+    "Tracer",
+    "new_collector",
+    "new_packets",
+    "new_query",
+    "new_tracer",
+]
 
 LANES = 16
 ROWS = 22  # 12 of the ray, 10 of the hit
@@ -58,7 +68,10 @@ _SIGNATURES = {
     "rtcCommitScene": (None, [_P]),
     "rtcNewGeometry": (_P, [_P, ctypes.c_int]),
     "rtcReleaseGeometry": (None, [_P]),
-    "rtcSetNewGeometryBuffer": (_P, [_P, ctypes.c_int, ctypes.c_uint, ctypes.c_int, ctypes.c_size_t, ctypes.c_size_t]),
+    "rtcSetNewGeometryBuffer": (
+        _P,
+        [_P, ctypes.c_int, ctypes.c_uint, ctypes.c_int, ctypes.c_size_t, ctypes.c_size_t],
+    ),
     "rtcCommitGeometry": (None, [_P]),
     "rtcAttachGeometry": (ctypes.c_uint, [_P, _P]),
 }
@@ -146,7 +159,12 @@ def _aligned(size: int) -> np.ndarray:
 
 def _library() -> ctypes.CDLL:
     package = Path(embreex.__file__).parent
-    folders = [package.parent / "embreex.libs", package / ".dylibs", package.parent / "embreex.dylibs", package]
+    folders = [
+        package.parent / "embreex.libs",
+        package / ".dylibs",
+        package.parent / "embreex.dylibs",
+        package,
+    ]
     found = [path for folder in folders for path in sorted(folder.glob("*embree4*")) if path.is_file()]
     if not found:
         raise RuntimeError("the embreex package holds no Embree library; reinstall embreex")
