@@ -153,7 +153,7 @@ def as_choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     choices = list(allowed)
     if isinstance(value, str) and value in choices:
         return value
-    near = difflib.get_close_matches(str(value), choices, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(str(value), choices, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise InputError(f"{name}: got {value!r}; {hint}allowed are {', '.join(choices)}")
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 import numba
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -100,6 +101,8 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 def tile_kernel(function: Callable[..., Any]) -> Any:
     """Compile one tile's work for `run_tasks`: serial inside, without the interpreter's lock."""
+    if JIT_DISABLED:  # compiled integers wrap around silently, and so shall interpreted ones
+        return np.errstate(over="ignore")(function)
     return numba.njit(nogil=True, cache=True, error_model="numpy")(function)
 
 

@@ -13,7 +13,6 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -35,6 +34,7 @@ from refdof.view import View
 __all__ = ["app", "main"]
 
 DEFAULT_SCENE = "fence"
+_UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command line, whichever click typer brings
 
 app = typer.Typer(
     name="refdof",
@@ -150,9 +150,9 @@ def main() -> None:
         status = app(standalone_mode=False)
     except InputError as error:
         _fail(str(error), 2)
-    except click.ClickException as error:
+    except _UsageError as error:
         _fail(error.format_message(), 2)
-    except (click.Abort, KeyboardInterrupt):
+    except (typer.Abort, KeyboardInterrupt):
         _fail("interrupted; nothing was written", 130)
     sys.exit(status if isinstance(status, int) else 0)
 

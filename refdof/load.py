@@ -43,7 +43,7 @@ def load_scene(
         return scene if background is None else scene.with_background(as_color("background", background))
     path = Path(name)
     if not path.suffix and not path.exists():
-        near = difflib.get_close_matches(str(name), SCENES, n=1, cutoff=0.5)
+        near = difflib.get_close_matches(str(name), SCENES, n=1, cutoff=0.6)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise InputError(f"scene: got {str(name)!r}; {hint}allowed are {', '.join(SCENES)}, or a mesh file")
     words: dict[str, Any] = {} if background is None else {"background": background}

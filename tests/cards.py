@@ -32,9 +32,7 @@ def random_cards(seed, width=12, height=9, p=12.0):
     focus = random.uniform(1.0, 4.0)
     radius = focus * random.choice([0.03, 0.1, 0.3, 0.6])
     count = random.integers(3, 7)
-    near = np.where(
-        random.random(count) < 0.5, random.uniform(0.4, 0.95, count), random.uniform(1.05, 5.0, count)
-    )
+    near = np.where(random.random(count) < 0.5, random.uniform(0.4, 0.95, count), random.uniform(1.05, 5.0, count))
     near[0] = random.choice([0.7, 1.0, 1.6])  # in one scene of three, a card lies in the focal plane
     depth = focus * near
     color = random.uniform(0.0, 1.0, (count + 1, 3))
@@ -47,9 +45,7 @@ def random_cards(seed, width=12, height=9, p=12.0):
         points = np.concatenate([[corners.mean(axis=0)], corners])
         world = eye + points[:, :1] * right + points[:, 1:] * up - d * backward
         k = np.arange(len(corners))
-        parts.append(
-            Part(world, np.stack([0 * k, k + 1, (k + 1) % len(k) + 1], axis=1), stage.paint(tuple(rgb)))
-        )
+        parts.append(Part(world, np.stack([0 * k, k + 1, (k + 1) % len(k) + 1], axis=1), stage.paint(tuple(rgb))))
     shot = Camera.look_at(eye, eye - backward, up, stage.camera(width, height, p).fov_y, (width, height))
     scene = stage.scene_of(parts, shot, ThinLens(radius, focus), tuple(color[-1]))
     share = lens_shares(outline, depth, stage.tangents(width, height, p), radius, focus)
@@ -68,9 +64,7 @@ def lens_shares(outlines, depths, tangents, radius, focus):
     for k in np.argsort(depths):
         outline, depth = outlines[k], depths[k]
         if depth == focus:  # the whole lens sees one point
-            seen = shapely.contains_xy(
-                shapely.Polygon(outline), tangents[..., 0] * depth, tangents[..., 1] * depth
-            )
+            seen = shapely.contains_xy(shapely.Polygon(outline), tangents[..., 0] * depth, tangents[..., 1] * depth)
             left = np.where(seen, shapely.Polygon(), left)
         else:
             # A ray through lens point E v and focal point t f is at E v (1 - d / f) + t d at depth d.

@@ -62,9 +62,7 @@ def test_one_net(edges):
 
 
 def test_sixteen_nets(edges):
-    fitted, errors = slope(
-        edges, lambda scene, n, k: refdof.reference(scene, samples=n, seed=k).image[..., 0]
-    )
+    fitted, errors = slope(edges, lambda scene, n, k: refdof.reference(scene, samples=n, seed=k).image[..., 0])
     assert fitted <= -0.7
     # Independent nets of N / 16 points: at N^-3/4 each, 16^(3/4 - 1/2) = 2 times the error of one net.
     assert errors[-1] < 0.01
@@ -76,11 +74,7 @@ def test_replicates_are_independent(edges):
     for replicates in (16, 64):
         squares = [
             (
-                (
-                    refdof.reference(scene, samples=64 * replicates, replicates=replicates).image[..., 0]
-                    - truth
-                )
-                ** 2
+                (refdof.reference(scene, samples=64 * replicates, replicates=replicates).image[..., 0] - truth) ** 2
             ).ravel()
             for scene, truth in edges
         ]

@@ -55,9 +55,7 @@ def assert_alike(one, other, share=1.0):
     # Difference of two Student means: 6 is beyond reach; 10 / N covers slivers that one side's samples all missed.
     assert (np.abs(one.image - other.image) <= 6.0 * spread + 10.0 / one.samples[..., None] + FLOAT32).all()
     # And as often above as below; with variance 15 / 13 or less, and 4 standard errors of the mean.
-    z = ((one.image - other.image)[..., 1] / np.where(spread > 0, spread, np.inf)[..., 1])[
-        spread[..., 1] > 1e-4
-    ]
+    z = ((one.image - other.image)[..., 1] / np.where(spread > 0, spread, np.inf)[..., 1])[spread[..., 1] > 1e-4]
     assert len(z) > 30
     assert abs(z.mean()) <= 4.0 * np.sqrt(15 / 13 / len(z))
 
@@ -160,9 +158,7 @@ def test_a_mirrored_world_gives_a_mirrored_picture():
 def test_the_order_of_faces_changes_no_bit(seed):
     scene = busy()
     order = np.random.default_rng(seed).permutation(len(scene.faces))
-    shuffled = Scene(
-        **{**vars(scene), "faces": scene.faces[order], "face_material": scene.face_material[order]}
-    )
+    shuffled = Scene(**{**vars(scene), "faces": scene.faces[order], "face_material": scene.face_material[order]})
     assert_same_bits(render(scene), render(shuffled))
     own, other = (View(s, s.camera, s.lens).layers() for s in (scene, shuffled))
     np.testing.assert_array_equal(own.depth, other.depth)
@@ -224,11 +220,22 @@ def test_the_light_of_a_lamp_does_not_depend_on_focus(radius):
     lamp = stage.rectangle(-1.5 * 2 / p, 1.5 * 2 / p, -1.0 * 2 / p, 1.0 * 2 / p, 2.0, (10.0, 20.0, 0.0))
     shot = stage.camera(31, 31, p)
     for focus in (0.25, 1.0, 1.9, 2.0, 7.0, np.inf):
-        result = render(
-            stage.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512
-        )
+        result = render(stage.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512)
         error = np.sqrt((result.standard_error.astype(float) ** 2).sum(axis=(0, 1)))
         # Independent pixels: 4 standard errors of their sum, and float32.
-        np.testing.assert_array_less(
-            np.abs(result.image.sum(axis=(0, 1)) - [60.0, 120.0, 0.0]), 4 * error + 1e-3
-        )
+        np.testing.assert_array_less(np.abs(result.image.sum(axis=(0, 1)) - [60.0, 120.0, 0.0]), 4 * error + 1e-3)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-9, 1e-6])
+@pytest.mark.parametrize("swapped", [False, True])
+def test_small_lens_and_pinhole_agree_on_which_of_two_close_surfaces_is_seen(gap, swapped):
+    # A label on a wall, nearer by a relative gap; at gap 0 layers put the lower triangle number first.
+    label = stage.rectangle(-9.1, 9.0, -9.0, 9.0, 2.0, (1.0, 0.0, 0.0))
+    wall = stage.rectangle(-9.3, 9.2, -9.1, 9.0, 2.0 * (1.0 + gap), (0.0, 1.0, 0.0))
+    shot, lens = stage.camera(8, 6, 8.0), ThinLens(1e-3, 2.0)
+    scene = stage.scene_of([wall, label] if swapped else [label, wall], shot, lens)
+    pinhole = View(scene, shot, lens).pinhole().color
+    if gap > 0.0:
+        assert (pinhole == np.float32([1.0, 0.0, 0.0])).all()
+    # Nothing is blurred: both surfaces lie in the focal plane up to 1e-6, and no edge is in the picture.
+    np.testing.assert_array_equal(render(scene).image, pinhole)

@@ -168,9 +168,7 @@ def test_a_slanted_plane_with_a_ramp_in_the_picture(k, mean):
     x, depth = slanted(slope, radius, focus)
     plane = stage.strips(x * depth, depth, -50.0, 50.0, x + 10.0)
     shot = stage.camera(1, 1, 1.0)
-    result = refdof.reference(
-        stage.scene_of([plane], shot, background=(1e6,) * 3), shot, ThinLens(radius, focus), 4096
-    )
+    result = refdof.reference(stage.scene_of([plane], shot, background=(1e6,) * 3), shot, ThinLens(radius, focus), 4096)
     truth = radius * (1.0 - 1.0 / focus) * mean
     # x(depth) = (1 / depth - 1) / slope is interpolated linearly: off by step^2 / 8 of its second derivative.
     bend = (np.diff(depth) ** 2 / 8 * 2 / slope / depth[1:] ** 3)[(x[1:] > -0.5) & (x[1:] < 4.0)].max()

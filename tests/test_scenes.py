@@ -40,9 +40,7 @@ class Rays:
         self.camera = scene.camera.with_size((width, height))
         points = scene.vertices - np.array(self.camera.eye)
         self.scene = EmbreeScene()
-        TriangleMesh(
-            self.scene, (points @ self.camera.rotation.T).astype(np.float32), scene.faces.astype(np.int32)
-        )
+        TriangleMesh(self.scene, (points @ self.camera.rotation.T).astype(np.float32), scene.faces.astype(np.int32))
         x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
         tangent = self.camera.pixels_per_tangent
         to = np.stack([(x - width / 2) / tangent, (height / 2 - y) / tangent, -np.ones_like(x)], axis=-1)
@@ -56,14 +54,16 @@ class Rays:
     def surfaces(self):
         """How many surfaces (N,) each ray crosses."""
         count = np.zeros(len(self.directions), dtype=int)
-        active, start = np.arange(len(count)), np.zeros_like(self.directions)
+        active, far = np.arange(len(count)), np.zeros(len(count))
         while len(active):
-            hit = self.scene.run(start[active], self.directions[active], output=1)
+            along = self.directions[active]
+            # Start past the last surface by about 20 float32 roundings of its distance, or it is met again.
+            start = along * (far[active] * (1 + 2e-6))[:, None].astype(np.float32)
+            hit = self.scene.run(start, along, output=1)
             met = hit["primID"] >= 0
             active = active[met]
             count[active] += 1
-            # Step past the surface by a few float32 roundings of the distance, or it would be met again.
-            start[active] += self.directions[active] * (hit["tfar"][met] * (1 + 2e-6) + 1e-7)[:, None]
+            far[active] = far[active] * (1 + 2e-6) + hit["tfar"][met]
         return count
 
 
@@ -128,7 +128,7 @@ def test_the_camera_sees_no_holes(made, name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_blur_is_on_the_papers_scale(made, name):
-    """Something is in focus, and what is not is blurred by 10 to 30 pixels on average at 800 x 600 or 1024 x 768."""
+    """Something is in focus; the rest is blurred by 10 to 30 pixels on average, at 800 x 600 or 1024 x 768."""
     scene = made(name)
     blur = coc(scene, Rays(scene).depth())
     assert (np.abs(blur) < 1.5).mean() > 0.015
@@ -204,7 +204,7 @@ def test_figures_stand_before_and_behind(made):
     assert (blur > 10.0).mean() > 0.3
 
 
-# --- the files ------------------------------------------------------------------------------------------------------
+# --- the files ------------------------------------------------------------------------------------------
 
 FILE = """
 title = "t"
@@ -274,17 +274,12 @@ def test_a_bad_file_is_refused_by_name(old, new, words):
 
 
 def test_a_table_that_is_no_table_is_refused():
+    text = FILE.replace("[numbers]\ncount = 3", "").replace("seed = 1", "seed = 1\nnumbers = 3")
     with pytest.raises(InputError, match=r"^a.toml: numbers: got 3; allowed is a table"):
-        parse_shot(
-            "a.toml",
-            FILE[: FILE.index("[light]")]
-            + "numbers = 3\n"
-            + FILE[FILE.index("[light]") : FILE.index("[numbers]")],
-            (),
-        )
+        parse_shot("a.toml", text, ())
 
 
-# --- shapes, noise, textures against closed forms ----------------------------------------------------------------------
+# --- shapes, noise, textures against closed forms -------------------------------------------------------
 
 
 def area_and_volume(mesh):
@@ -310,9 +305,7 @@ def test_a_lathe_is_a_cone():
     cone = lathe([[(0.0, 0.0), (1.0, 0.0)], [(1.0, 0.0), (0.0, 2.0)]], 96)
     assert len(cone.faces) == 2 * 96  # the poles leave one triangle of every square
     # Inscribed in the circle: too small by (2 pi / 96)^2 / 6 = 7e-4.
-    assert area_and_volume(cone)[1] == pytest.approx(-2 * np.pi / 3, rel=1e-3) or area_and_volume(cone)[
-        1
-    ] == pytest.approx(2 * np.pi / 3, rel=1e-3)
+    assert abs(area_and_volume(cone)[1]) == pytest.approx(2 * np.pi / 3, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -386,7 +379,7 @@ def test_the_environment_covers_the_sphere_evenly_enough():
     vectors = directions(64)
     np.testing.assert_allclose(np.linalg.norm(vectors, axis=-1), 1.0, rtol=1e-12)  # a rounded quotient
     np.testing.assert_allclose(vectors.reshape(-1, 3).mean(axis=0), 0.0, atol=1e-12)  # symmetric sums cancel
-    # The octahedral map, forwards, as its paper gives it: project onto |x| + |y| + |z| = 1, fold the lower half out.
+    # The octahedral map, forwards: project onto |x| + |y| + |z| = 1, fold the lower half out.
     x, y, z = np.moveaxis(vectors, -1, 0)
     total = np.abs(x) + np.abs(y) + np.abs(z)
     p, q = x / total, z / total

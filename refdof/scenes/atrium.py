@@ -36,9 +36,7 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     for side in (-1, 1):
         for k in range(bays + 1):
             pillars.append(column(_SPRING, 0.24, 48, 12).moved(side * aisle, 0, -k * bay))
-            uppers.append(
-                column(_TOP - _STOREY - 1.55, 0.15, 24).moved(side * aisle, _STOREY + 0.2, -k * bay)
-            )
+            uppers.append(column(_TOP - _STOREY - 1.55, 0.15, 24).moved(side * aisle, _STOREY + 0.2, -k * bay))
         for k in range(bays):
             middle = -(k + 0.5) * bay
             low = arch(bay, _SPRING, _STOREY, _DEPTH, 0.3, 20)
@@ -66,9 +64,7 @@ def _rail(bay: float, x: float, middle: float) -> list[Mesh]:
     return [*posts, cornice, box(0.22, 0.1, bay).moved(x, _STOREY + 0.8, middle)]
 
 
-def _galleries(
-    bays: int, bay: float, aisle: float, wall: Material, rng: np.random.Generator
-) -> Iterator[Part]:
+def _galleries(bays: int, bay: float, aisle: float, wall: Material, rng: np.random.Generator) -> Iterator[Part]:
     """Outer walls and ceilings of the aisles, dark inside, and the roofs."""
     far, back = -bays * bay, 2.6
     inside, ceilings = [], []
@@ -79,9 +75,7 @@ def _galleries(
         tone = 0.30 + 0.38 * np.exp(-(((y % _STOREY) - 1.0) ** 2) / 2.2)
         inside.append(face.tiled((3.0 - far) * 0.4, _TOP * 0.4).tinted(tone[:, None]))
         for level in (_STOREY, _TOP):
-            flat = plane(
-                (side * (aisle - 0.2), level, 3.0), (0, 0, far - 3.0), (side * (back + 0.2), 0, 0), (40, 6)
-            )
+            flat = plane((side * (aisle - 0.2), level, 3.0), (0, 0, far - 3.0), (side * (back + 0.2), 0, 0), (40, 6))
             ceilings.append(flat.tiled(8, 1).tinted((0.42, 0.40, 0.38)))
     yield join(inside).part(wall)
     yield join(ceilings).part(Material(texture=mottled(256, ("#8d7552", "#b59b72", "#c9b48c"), rng)))
@@ -113,9 +107,7 @@ def _floor(bays: int, bay: float, aisle: float, rng: np.random.Generator) -> Par
     )
 
 
-def _far_wall(
-    far: float, aisle: float, wall: Material, sand: Material, rng: np.random.Generator
-) -> Iterator[Part]:
+def _far_wall(far: float, aisle: float, wall: Material, sand: Material, rng: np.random.Generator) -> Iterator[Part]:
     """End of the court: a great door under an arch, a rose above it, niches beside it."""
     door = arch(2 * aisle + 0.6, 2.3, _TOP, 0.6, 1.45, 32).moved(0, 0, far)
     side = [
@@ -127,8 +119,7 @@ def _far_wall(
         for s in (-aisle - 3.2, aisle + 0.2)
     ]
     reveal = [
-        plane((s, 0, far + 0.3), (0, 0, -0.6), (0, 2.3, 0)).tiled(0.6, 2.3)
-        for s in (-aisle + 1.15, aisle - 1.15)
+        plane((s, 0, far + 0.3), (0, 0, -0.6), (0, 2.3, 0)).tiled(0.6, 2.3) for s in (-aisle + 1.15, aisle - 1.15)
     ]
     front = join([door, *side, *ends, *reveal])
     y = front.vertices[:, 1]
@@ -142,8 +133,7 @@ def _far_wall(
     rose_y = 6.35
     ring += [_hoop(r, rose_y, far + 0.33) for r in (1.25, 0.42)]
     spokes = [
-        box(0.07, 0.86, 0.12).moved(0, 0.4, 0).turned("z", 30.0 * k).moved(0, rose_y, far + 0.33)
-        for k in range(12)
+        box(0.07, 0.86, 0.12).moved(0, 0.4, 0).turned("z", 30.0 * k).moved(0, rose_y, far + 0.33) for k in range(12)
     ]
     ring += [*spokes, *(column(2.35, 0.13, 24).moved(s * (aisle - 1.0), 0, far + 0.5) for s in (-1, 1))]
     yield join(ring).tiled(1.5, 1.5).part(sand)
@@ -203,11 +193,7 @@ def _banners(bays: int, bay: float, aisle: float, rng: np.random.Generator) -> I
                 axis=-1,
             )
             sheet = surface(points)
-            hung.append(
-                sheet.tiled(2, 3).tinted(
-                    (0.8 + 3.0 * ripple.reshape(-1, 1)) * (1.0 - 0.25 * t.reshape(-1, 1))
-                )
-            )
+            hung.append(sheet.tiled(2, 3).tinted((0.8 + 3.0 * ripple.reshape(-1, 1)) * (1.0 - 0.25 * t.reshape(-1, 1))))
         yield join(hung).part(texture)
 
 
@@ -231,9 +217,7 @@ def _planters(bay: float, aisle: float, far: float, rng: np.random.Generator) ->
                     paint("#4f7a35") * rng.uniform(0.6, 1.3)
                 )
                 plants.append(
-                    one.turned("x", -rng.uniform(48, 82))
-                    .turned("y", 22.5 * j + rng.uniform(-9, 9))
-                    .moved(x, 0.42, z)
+                    one.turned("x", -rng.uniform(48, 82)).turned("y", 22.5 * j + rng.uniform(-9, 9)).moved(x, 0.42, z)
                 )
     yield join(pots).tiled(4, 2).part(Material(texture=mottled(256, ("#8f4a2c", "#b4623c", "#c9784e"), rng)))
     yield join(plants).part(Material())

@@ -24,9 +24,7 @@ def sky(
     `ridge` is the paint and height (part of the dome's height) of hills along the horizon.
     """
     theta, phi = np.meshgrid(np.linspace(-0.12, 1.25, 13), np.linspace(-2.0, 2.0, 33), indexing="ij")
-    points = radius * np.stack(
-        [np.cos(theta) * np.sin(phi), np.sin(theta), -np.cos(theta) * np.cos(phi)], axis=-1
-    )
+    points = radius * np.stack([np.cos(theta) * np.sin(phi), np.sin(theta), -np.cos(theta) * np.cos(phi)], axis=-1)
     height, width = 512, 1024
     up = np.broadcast_to(np.linspace(1.25, -0.12, height)[:, None] / 1.25, (height, width))
     color = ramp(np.clip(up, 0, 1) ** 0.7, codes)
@@ -47,6 +45,4 @@ def curtain(width: float, height: float, distance: float, bend: float = 0.6) -> 
     s, t = np.meshgrid(np.linspace(-1, 1, 33), np.linspace(0, 1, 17))
     angle = bend * s
     radius = width / (2 * max(bend, 1e-6))
-    return surface(
-        np.stack([radius * np.sin(angle), height * t, -distance + radius * (1 - np.cos(angle))], axis=-1)
-    )
+    return surface(np.stack([radius * np.sin(angle), height * t, -distance + radius * (1 - np.cos(angle))], axis=-1))

@@ -30,22 +30,16 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     rising = front * np.array(
         [(-0.46, -0.24, -1), (-0.24, -0.12, -0.99), (-0.02, -0.03, -1.01), (0.2, 0.11, -1), (0.44, 0.2, -1)]
     )
-    twig = front * np.array(
-        [(-0.24, -0.12, -0.99), (-0.2, 0.0, -1.01), (-0.23, 0.13, -1.0), (-0.19, 0.21, -1.01)]
-    )
+    twig = front * np.array([(-0.24, -0.12, -0.99), (-0.2, 0.0, -1.01), (-0.23, 0.13, -1.0), (-0.19, 0.21, -1.01)])
     falling = behind * np.array(
         [(-0.46, 0.19, -1), (-0.2, 0.1, -1.005), (0.0, -0.03, -1), (0.17, -0.13, -0.995), (0.42, -0.22, -1)]
     )
-    shoot = behind * np.array(
-        [(0.17, -0.13, -0.995), (0.22, -0.01, -1), (0.32, 0.05, -1.0), (0.36, 0.14, -0.995)]
-    )
+    shoot = behind * np.array([(0.17, -0.13, -0.995), (0.22, -0.01, -1), (0.32, 0.05, -1.0), (0.36, 0.14, -0.995)])
     yield join([branch(rising, 0.010, 0.004, rng), branch(twig, 0.005, 0.0016, rng, 40, 10)]).part(bark)
     yield join([branch(falling, 0.013, 0.006, rng), branch(shoot, 0.006, 0.002, rng, 40, 10)]).part(pale)
     flowers = [_bloom(path, n, 0.052 * front, rng) for path, n in ((rising, 6), (twig, 6))]
     yield join(flowers).part(Material())
-    white = [
-        _bloom(path, n, 0.05 * behind, rng, "#f6efe6", "#c8a25a") for path, n in ((falling, 6), (shoot, 5))
-    ]
+    white = [_bloom(path, n, 0.05 * behind, rng, "#f6efe6", "#c8a25a") for path, n in ((falling, 6), (shoot, 5))]
     yield join(white).part(Material())
     yield _leaves(rising, 0.035 * front, rng)
     yield _leaves(falling, 0.04 * behind, rng)
@@ -93,9 +87,7 @@ def _bloom(
     angle = rng.uniform(0, 6.28, 2 * count)
     place = _along(path, t) + 0.16 * size * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     bud = sphere(0.13, 8, 10).scaled(1, 1.25, 1).tinted(0.5 * paint(petal) + 0.5 * paint(heart))
-    buds = scatter(
-        bud, place, facing(0 * t, rng.uniform(-60, 60, 2 * count)), size * rng.uniform(0.7, 1.2, 2 * count)
-    )
+    buds = scatter(bud, place, facing(0 * t, rng.uniform(-60, 60, 2 * count)), size * rng.uniform(0.7, 1.2, 2 * count))
     return join([flowers, buds])
 
 
@@ -106,9 +98,9 @@ def _leaves(path: Float, size: float, rng: np.random.Generator) -> Part:
     t = np.where(np.abs(t - 2.0) < 0.45, t + np.sign(t - 2.0) * 0.5, t)
     turn = facing(rng.uniform(0, 360, count), rng.uniform(-20, 60, count), rng.uniform(-60, 60, count))
     tint = shades(count, ("#6f8f3a", "#9aa648", "#a8603c"), rng)
-    return scatter(
-        leaf(1.0, 0.42, 0.3, 0.2, 6), _along(path, t), turn, size * rng.uniform(0.6, 1.1, count), tint
-    ).part(Material())
+    return scatter(leaf(1.0, 0.42, 0.3, 0.2, 6), _along(path, t), turn, size * rng.uniform(0.6, 1.1, count), tint).part(
+        Material()
+    )
 
 
 def _butterfly() -> Mesh:
@@ -121,9 +113,7 @@ def _butterfly() -> Mesh:
         angle, s = np.meshgrid(np.radians(np.linspace(low, high, 41)), np.linspace(0, 1, 25))
         t = (angle - angle.min()) / (angle.max() - angle.min())
         reach = long * (0.72 + 0.28 * np.sin(np.pi * t**0.7) + 0.02 * np.sin(34 * t)) * s
-        points = np.stack(
-            [reach * np.cos(angle), reach * np.sin(angle), 0.30 * reach * np.cos(angle)], axis=-1
-        )
+        points = np.stack([reach * np.cos(angle), reach * np.sin(angle), 0.30 * reach * np.cos(angle)], axis=-1)
         dark = np.maximum(smooth(0.80, 0.86, s), smooth(0.82, 0.97, np.cos(26 * t)) * smooth(0.1, 0.4, s))
         spot = smooth(0.2, 0.6, np.cos(44 * t)) * smooth(0.05, 0.02, np.abs(s - 0.92))
         color = blend(blend(ramp(s, codes), paint("#2a1a12"), dark), paint("#f6ead0"), spot)
@@ -136,8 +126,7 @@ def _butterfly() -> Mesh:
         12,
     )
     feelers = [
-        tube(np.array([(0, 0.3, 0.03), (s * 0.12, 0.52, 0.1), (s * 0.3, 0.68, 0.12)]), 0.009, 5)
-        for s in (-1, 1)
+        tube(np.array([(0, 0.3, 0.03), (s * 0.12, 0.52, 0.1), (s * 0.3, 0.68, 0.12)]), 0.009, 5) for s in (-1, 1)
     ]
     return join([*wings, join([body, *feelers]).tinted(paint("#3a2618"))])
 
@@ -152,9 +141,7 @@ def _screen(distance: float, rng: np.random.Generator) -> Iterator[Part]:
         panel = plane((-width / 2, -1.0, 0), (width, 0, 0), (0, 2.0, 0), (20, 40))
         fold = 1.0 - 0.25 * np.exp(-(width / 2 - np.abs(panel.vertices[:, :1])) / 0.03)
         panel = panel.tinted(fold)
-        panel = Mesh(
-            panel.vertices, panel.faces, panel.uv * [1 / 5, 1] + [(k + 2) / 5, 0], panel.color, panel.normal
-        )
+        panel = Mesh(panel.vertices, panel.faces, panel.uv * [1 / 5, 1] + [(k + 2) / 5, 0], panel.color, panel.normal)
         yield panel.turned("y", tilt).moved(k * width * 0.97, 0, -distance).part(gold)
         edge = plane((-0.006, -1.0, 0.002), (0.012, 0, 0), (0, 2.0, 0), (1, 1))
         frames += [
@@ -172,13 +159,7 @@ def _gold(rng: np.random.Generator) -> Material:
     i, j = (u * 30).astype(int), (v * 20).astype(int)
     seam = np.minimum(np.minimum(u * 30 % 1, 1 - u * 30 % 1), np.minimum(v * 20 % 1, 1 - v * 20 % 1))
     worn = fractal((height, width), (6, 10), rng, 6, 0.6) - 0.5
-    tone = (
-        0.45
-        + 0.22 * rng.random((20, 30))[j, i]
-        + 0.55 * worn
-        + 0.16 * smooth(0.0, 0.07, seam)
-        + 0.25 * (v - 0.5)
-    )
+    tone = 0.45 + 0.22 * rng.random((20, 30))[j, i] + 0.55 * worn + 0.16 * smooth(0.0, 0.07, seam) + 0.25 * (v - 0.5)
     color = ramp(tone, ("#6e5120", "#a37c33", "#cfa852", "#ecd28a"))
     disc = np.hypot((u - 0.56) * 1.55, v - 0.57)
     color = blend(color, paint("#b4472e") * (1 + 0.5 * worn)[..., None], 0.8 * smooth(0.0705, 0.0685, disc))

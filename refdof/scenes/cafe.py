@@ -76,14 +76,10 @@ def cafe_table(shot: Shot, foot: Float, top: float, rng: np.random.Generator) ->
     iron.append(torus(0.026, 0.0035, 24, 8).turned("x", 90).moved(0, 0.248, 0))
     yield at(join(iron), -0.10, 0.0).tinted((1.6, 1.5, 1.4)).part(Material("unlit", (0.16, 0.14, 0.11)))
     wax = lathe([[(0.03, 0.005), (0.03, 0.085), (0.024, 0.083), (0.0, 0.08)]], 24)
-    wax = wax.tinted(
-        np.array([1.0, 0.62, 0.28]) * (0.25 + 1.7 * np.clip(wax.vertices[:, 1:2] / 0.085, 0, 1) ** 3)
-    )
+    wax = wax.tinted(np.array([1.0, 0.62, 0.28]) * (0.25 + 1.7 * np.clip(wax.vertices[:, 1:2] / 0.085, 0, 1) ** 3))
     yield wax.moved(foot[0] - 0.10, top, foot[2]).part(Material("unlit"))
     flame = lathe([[(0.0, -0.014), (0.006, -0.006), (0.0065, 0.002), (0.004, 0.016), (0.0, 0.03)]], 12)
-    yield flame.moved(foot[0] - 0.10, top + 0.1, foot[2]).part(
-        Material("unlit", (0, 0, 0), emission=(30.0, 16.0, 5.0))
-    )
+    yield flame.moved(foot[0] - 0.10, top + 0.1, foot[2]).part(Material("unlit", (0, 0, 0), emission=(30.0, 16.0, 5.0)))
     yield from _setting(at, rng)
 
 
@@ -105,22 +101,16 @@ def _setting(at: Callable[..., Mesh], rng: np.random.Generator) -> Iterator[Part
         ]
     ]
     ear = tube(
-        np.array(
-            [(0.045, 0.065, 0), (0.066, 0.062, 0), (0.072, 0.042, 0), (0.058, 0.024, 0), (0.038, 0.022, 0)]
-        ),
+        np.array([(0.045, 0.065, 0), (0.066, 0.062, 0), (0.072, 0.042, 0), (0.058, 0.024, 0), (0.038, 0.022, 0)]),
         0.0045,
         8,
     )
     bowl = lathe(cup, 40)
     band = np.where(np.abs(bowl.vertices[:, 1:2] - 0.06) < 0.012, [[0.20, 0.34, 0.55]], [[1.0, 0.97, 0.9]])
-    china = join(
-        [lathe(saucer, 40), bowl.tinted(band).moved(0, 0.003, 0), ear.turned("y", 35).moved(0, 0.003, 0)]
-    )
+    china = join([lathe(saucer, 40), bowl.tinted(band).moved(0, 0.003, 0), ear.turned("y", 35).moved(0, 0.003, 0)])
     yield at(china, 0.11, 0.12).part(Material("unlit", (0.8, 0.8, 0.8)))
     yield at(disc(0.046, 32, 0.068), 0.11, 0.12).part(Material("unlit", (0.10, 0.05, 0.025)))
-    cover = [box(0.13, 0.004, 0.19).moved(0, y, 0) for y in (0.0, 0.026)] + [
-        box(0.005, 0.03, 0.19).moved(-0.064, 0, 0)
-    ]
+    cover = [box(0.13, 0.004, 0.19).moved(0, y, 0) for y in (0.0, 0.026)] + [box(0.005, 0.03, 0.19).moved(-0.064, 0, 0)]
     pages = box(0.122, 0.022, 0.184).moved(0, 0.004, 0)
     yield at(join(cover).turned("y", 24), -0.12, 0.19).part(
         Material("unlit", texture=mottled(128, ("#1f3d4d", "#2c5468", "#3d6c80"), rng))
@@ -145,14 +135,9 @@ def _setting(at: Callable[..., Mesh], rng: np.random.Generator) -> Iterator[Part
     yield at(bottle, 0.06, -0.12).part(Material("unlit", (0.10, 0.26, 0.20)))
     rose = blossom(rng, "#d8304a", "#6f0f22")
     head = join(
-        [
-            rose.scaled(s).turned("y", 36.0 * k).moved(0, 0.008 * k, 0)
-            for k, s in enumerate((0.09, 0.075, 0.055))
-        ]
+        [rose.scaled(s).turned("y", 36.0 * k).moved(0, 0.008 * k, 0) for k, s in enumerate((0.09, 0.075, 0.055))]
     )
-    stem = tube(np.array([(0, 0.16, 0), (0.004, 0.22, 0.002), (0.012, 0.28, 0.006)]), 0.003, 6).tinted(
-        paint("#3f6a30")
-    )
+    stem = tube(np.array([(0, 0.16, 0), (0.004, 0.22, 0.002), (0.012, 0.28, 0.006)]), 0.003, 6).tinted(paint("#3f6a30"))
     green = [
         leaf(0.06, 0.03, 0.3).turned("x", -35).turned("y", a).moved(0.005, 0.22, 0.0).tinted(paint("#47763a"))
         for a in (70.0, 250.0)

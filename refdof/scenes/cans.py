@@ -119,14 +119,10 @@ def _table(place: Float, fruit: Float, shot: Shot, rng: np.random.Generator) -> 
     shade = corner_shade(top.vertices[:, 2] - _WALL, 0.10, 0.6)
     for p in place:
         shade = shade * beside(top.vertices, p, _RADIUS, 0.012, 0.6)
-        shade = shade * capsule_shadow(
-            top.vertices, p, _HEIGHT, _RADIUS, shot.light.sun_direction, 0.012, 0.75
-        )
+        shade = shade * capsule_shadow(top.vertices, p, _HEIGHT, _RADIUS, shot.light.sun_direction, 0.012, 0.75)
     for x, y, z in fruit:
         shade = shade * beside(top.vertices, (x, 0, z), 0.3 * y, 0.014, 0.75)
-        shade = shade * capsule_shadow(
-            top.vertices, (x, 0, z), y, 0.85 * y, shot.light.sun_direction, 0.01, 0.7
-        )
+        shade = shade * capsule_shadow(top.vertices, (x, 0, z), y, 0.85 * y, shot.light.sun_direction, 0.01, 0.7)
     boards = planks(1024, 7, ("#7a5233", "#a9794c", "#cda273", "#e2c194"), rng)
     return (
         top.tiled(3.1, 2.6)

@@ -10,9 +10,7 @@ from refdof.scenes.noise import smooth
 __all__ = ["beside", "capsule_shadow", "corner_shade"]
 
 
-def beside(
-    points: Float, centre: Sequence[float] | Float, radius: float, reach: float, depth: float
-) -> Float:
+def beside(points: Float, centre: Sequence[float] | Float, radius: float, reach: float, depth: float) -> Float:
     """Contact shade (N, 1) on the ground around a round foot at `centre` (x, y, z)."""
     distance = np.hypot(points[:, 0] - centre[0], points[:, 2] - centre[2]) - radius
     return (1.0 - depth * np.exp(-np.maximum(distance, 0.0) / reach))[:, None]

@@ -41,11 +41,7 @@ def _lattice(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     for layer, angle in enumerate((45.0, -45.0)):
         for k in range(-6, 7):
             one = box(width * rng.uniform(0.9, 1.1), 1.6, 0.007).moved(k * step * 0.7071, -0.8, 0.008 * layer)
-            one = (
-                one.tinted(rng.uniform(0.75, 1.15))
-                .tiled(6.0, 1.5)
-                .turned("z", angle + rng.uniform(-0.8, 0.8))
-            )
+            one = one.tinted(rng.uniform(0.75, 1.15)).tiled(6.0, 1.5).turned("z", angle + rng.uniform(-0.8, 0.8))
             slats.append(one)
     fence = join(slats).turned("y", 14.0).moved(0.0, 1.53, -far)
     old = wood(512, ("#6f665a", "#94897a", "#b9ae9c"), rng, 5.0)
@@ -78,10 +74,7 @@ def _house(rng: np.random.Generator) -> Iterator[Part]:
     stain = 0.9 + 0.12 * Noise3(rng).fractal(front.vertices * 0.8)
     shade = stain[:, None] * corner_shade(y, 0.5, 0.45) * corner_shade(y - 4.1, 0.5, 0.5)
     shade = (
-        shade
-        * (1.0 - 0.35 * np.exp(-np.maximum(np.hypot((x + 0.6) / 0.9, (y - 1.0) / 1.5) - 0.8, 0) / 0.15))[
-            :, None
-        ]
+        shade * (1.0 - 0.35 * np.exp(-np.maximum(np.hypot((x + 0.6) / 0.9, (y - 1.0) / 1.5) - 0.8, 0) / 0.15))[:, None]
     )
     red = bricks(1024, 18, 7, ("#8a4630", "#a85c3e", "#bb7350", "#9a4c3a"), "#b3a48c", rng, 0.13)
     yield front.tiled(18 / 1.7, 5.2 / 1.45).tinted(shade).part(Material(texture=red))
@@ -127,7 +120,7 @@ def _house(rng: np.random.Generator) -> Iterator[Part]:
         - 0.05 * ivy[:, 1]
         > 0.42
     )
-    ivy = ivy[keep]
+    ivy = ivy[keep & (ivy[:, 0] < 0.92)]  # clear of the window
     count = len(ivy)
     place = np.column_stack([3.95 - ivy[:, 0], ivy[:, 1], _WALL + 0.05 + 0.08 * rng.random(count)])
     turn = facing(rng.uniform(-70, 70, count), rng.uniform(-80, -30, count))
@@ -145,9 +138,7 @@ def _door(rng: np.random.Generator) -> Iterator[Part]:
     z = _WALL + 0.04
     leaf_ = [box(0.92, 2.0, 0.05).moved(-0.6, 0.26, z)]
     leaf_ += [
-        box(0.34, h, 0.03).moved(-0.6 + s * 0.21, y, z + 0.03)
-        for s in (-1, 1)
-        for y, h in ((0.42, 0.62), (1.18, 0.9))
+        box(0.34, h, 0.03).moved(-0.6 + s * 0.21, y, z + 0.03) for s in (-1, 1) for y, h in ((0.42, 0.62), (1.18, 0.9))
     ]
     blue = np.ascontiguousarray(wood(256, ("#1f4468", "#2a5a86", "#35689a"), rng, 6.0).transpose(1, 0, 2))
     yield join(leaf_).part(Material("phong", texture=blue, specular=(0.05, 0.05, 0.05), shininess=30))
@@ -160,9 +151,9 @@ def _door(rng: np.random.Generator) -> Iterator[Part]:
         box(0.2, 0.06, 0.02).moved(-0.6, 1.05, z + 0.05),
     ]
     lantern = [
-        lathe(
-            [[(0.0, 0.28), (0.09, 0.2), (0.08, 0.19)], [(0.07, 0.0), (0.05, -0.03), (0.0, -0.04)]], 6
-        ).moved(0.3, 2.0, z + 0.2)
+        lathe([[(0.0, 0.28), (0.09, 0.2), (0.08, 0.19)], [(0.07, 0.0), (0.05, -0.03), (0.0, -0.04)]], 6).moved(
+            0.3, 2.0, z + 0.2
+        )
     ]
     lantern += [
         box(0.012, 0.2, 0.012).moved(0.3 + 0.065 * np.sin(a), 2.0, z + 0.2 + 0.065 * np.cos(a))
@@ -172,9 +163,7 @@ def _door(rng: np.random.Generator) -> Iterator[Part]:
     yield join(brass).part(Material("phong", (0.45, 0.32, 0.12), specular=(0.5, 0.4, 0.2), shininess=40))
     yield join(lantern).part(Material("phong", (0.03, 0.03, 0.03), specular=(0.15, 0.15, 0.15)))
     yield (
-        lathe([[(0.045, 0.0), (0.055, 0.18)]], 12)
-        .moved(0.3, 2.0, z + 0.2)
-        .part(Material("unlit", (1.0, 0.8, 0.45)))
+        lathe([[(0.045, 0.0), (0.055, 0.18)]], 12).moved(0.3, 2.0, z + 0.2).part(Material("unlit", (1.0, 0.8, 0.45)))
     )
 
 
@@ -228,17 +217,13 @@ def _garden(rng: np.random.Generator) -> Iterator[Part]:
         path.color,
         path.normal,
     )
-    yield path.tiled(1, 5.5).part(
-        Material(texture=cobbles(512, 6, ("#8f8778", "#b0a694", "#c8bfae"), "#5a5a38", rng))
-    )
+    yield path.tiled(1, 5.5).part(Material(texture=cobbles(512, 6, ("#8f8778", "#b0a694", "#c8bfae"), "#5a5a38", rng)))
     spot = rng.uniform((-6, -8.3), (6, -4.0), (9000, 2))
     spot = spot[np.abs(spot[:, 0] + 0.6) > 0.62]
     place = np.column_stack([spot[:, 0], 0 * spot[:, 0], spot[:, 1]])
     yield grass(place, rng.uniform(0.05, 0.13, len(place)), 0.07, rng, _GREEN, 2).part(Material())
     bed = [
-        bush(rng.uniform(0.25, 0.42), 260, 0.13, rng, ("#2f5526", "#4c7a33", "#7b9f4d")).moved(
-            x, 0.22, _WALL + 0.5
-        )
+        bush(rng.uniform(0.25, 0.42), 260, 0.13, rng, ("#2f5526", "#4c7a33", "#7b9f4d")).moved(x, 0.22, _WALL + 0.5)
         for x in np.r_[np.arange(-5.5, -1.4, 0.55), np.arange(0.45, 6, 0.55)]
     ]
     heads: list[Mesh] = []
@@ -252,16 +237,12 @@ def _garden(rng: np.random.Generator) -> Iterator[Part]:
         x = rng.uniform(-5.5, 5.5, 34)
         x = x[np.abs(x + 0.6) > 0.9]
         place = np.column_stack([x, 0 * x, _WALL + rng.uniform(0.5, 1.25, len(x))])
-        heads.append(
-            scatter(one, place, facing(rng.uniform(-70, 70, len(x)), 0 * x), rng.uniform(0.12, 0.2, len(x)))
-        )
+        heads.append(scatter(one, place, facing(rng.uniform(-70, 70, len(x)), 0 * x), rng.uniform(0.12, 0.2, len(x))))
     yield join([*bed, *heads]).part(Material())
     seat = [box(1.5, 0.04, 0.11).moved(0, 0.45, 0.13 * k) for k in range(3)] + [
         box(1.5, 0.1, 0.03).moved(0, 0.6 + 0.16 * k, -0.05) for k in range(2)
     ]
-    seat += [
-        box(0.07, h, 0.07).moved(s * 0.68, 0, z) for s in (-1, 1) for h, z in ((0.45, 0.28), (0.9, -0.05))
-    ]
+    seat += [box(0.07, h, 0.07).moved(s * 0.68, 0, z) for s in (-1, 1) for h, z in ((0.45, 0.28), (0.9, -0.05))]
     yield (
         join(seat)
         .tiled(1.0, 6.0)

@@ -81,9 +81,7 @@ def _weathered(body: Mesh, skin: str, rng: np.random.Generator) -> Mesh:
     """Grime in the hollows, and streaks."""
     noise = Noise3(rng)
     streak = noise.fractal(body.vertices * [9.0, 1.6, 9.0], 3)
-    grime = paint(
-        {"marble": "#8a7a5c", "bronze": "#274a40", "terracotta": "#5a3324", "verdigris": "#2c2a1c"}[skin]
-    )
+    grime = paint({"marble": "#8a7a5c", "bronze": "#274a40", "terracotta": "#5a3324", "verdigris": "#2c2a1c"}[skin])
     hollow = np.clip(1.0 - body.color[:, :1], 0, 1)
     tint = 1.0 + (grime / grime.max() - 1.0) * np.clip(0.9 * hollow + 0.25 * streak[:, None], 0, 0.8)
     return body.tinted(tint)
@@ -133,9 +131,7 @@ def _urn(rng: np.random.Generator) -> Mesh:
     ]
     line = np.asarray(profile)
     for _ in range(4):
-        cut = np.stack(
-            [0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]], axis=1
-        ).reshape(-1, 2)
+        cut = np.stack([0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]], axis=1).reshape(-1, 2)
         line = np.concatenate([line[:1], cut[1:-1], line[-1:]])
     body = lathe([[(float(a), float(b)) for a, b in line]], 160)
     x, y, z = body.vertices.T
@@ -149,9 +145,9 @@ def _urn(rng: np.random.Generator) -> Mesh:
         body.color,
         body.normal,
     )
-    frieze = smooth(
-        -0.15, 0.15, np.sin(9 * angle) * np.cos(60 * (y - 0.42)) + 0.5 * np.sin(27 * angle + 40 * y)
-    ) * (np.abs(y - 0.42) < 0.07)
+    frieze = smooth(-0.15, 0.15, np.sin(9 * angle) * np.cos(60 * (y - 0.42)) + 0.5 * np.sin(27 * angle + 40 * y)) * (
+        np.abs(y - 0.42) < 0.07
+    )
     key = (np.abs(y - 0.545) < 0.016) * (np.sin(40 * angle) > -0.1)
     rings = (
         (np.abs(y - 0.335) < 0.006)
@@ -195,9 +191,7 @@ def _floor(feet: list[tuple[float, float, float, float]], shot: Shot, rng: np.ra
     )
     for x, z, r, h in feet:
         shade = shade * beside(ground.vertices, (x, 0, z), r, 0.16, 0.5)
-        shade = shade * capsule_shadow(
-            ground.vertices, (x, 0, z), h + 0.8, r, shot.light.sun_direction, 0.25, 0.45
-        )
+        shade = shade * capsule_shadow(ground.vertices, (x, 0, z), h + 0.8, r, shot.light.sun_direction, 0.25, 0.45)
     slabs = tiles(1024, 6, ("#57504a", "#9a8f80", "#cfc5b2"), "#2a2623", rng, 0.012, checker=True)
     return (
         ground.tiled(2.0, 3.2)
@@ -213,9 +207,7 @@ def _hall(rng: np.random.Generator) -> Iterator[Part]:
     y, z = sides.vertices[:, 1], sides.vertices[:, 2]
     pools = 0.6 + 0.5 * np.exp(-((y - 2.6) ** 2) / 1.6) * (0.6 + 0.4 * np.cos(2 * np.pi * z / 3.0))
     wallpaper = mottled(512, ("#5a1f22", "#6f2b2c", "#7d3734"), rng, 8)
-    yield (
-        sides.tiled(6, 3).tinted(pools[:, None] * corner_shade(y, 0.5, 0.4)).part(Material(texture=wallpaper))
-    )
+    yield (sides.tiled(6, 3).tinted(pools[:, None] * corner_shade(y, 0.5, 0.4)).part(Material(texture=wallpaper)))
     low = [box(0.08, 0.95, 14.5).moved(s * (_SIDE - 0.04), 0, -5.75) for s in (-1, 1)] + [
         box(0.14, 0.08, 14.5).moved(s * (_SIDE - 0.07), 0.95, -5.75) for s in (-1, 1)
     ]
@@ -228,8 +220,7 @@ def _hall(rng: np.random.Generator) -> Iterator[Part]:
         apse = lathe(
             [
                 [(0.95, y) for y in np.linspace(0, 2.9, 8)],
-                [(0.95 * np.cos(a), 2.9 + 0.95 * np.sin(a)) for a in np.linspace(0, np.pi / 2, 9)[:-1]]
-                + [(0.0, 3.85)],
+                [(0.95 * np.cos(a), 2.9 + 0.95 * np.sin(a)) for a in np.linspace(0, np.pi / 2, 9)[:-1]] + [(0.0, 3.85)],
             ],
             40,
         )
@@ -243,13 +234,10 @@ def _hall(rng: np.random.Generator) -> Iterator[Part]:
     yield inside.tinted(np.concatenate(glow)[:, None]).part(
         Material(texture=mottled(256, ("#7f8c8f", "#9aa6a5", "#b5bdb6"), rng, 6))
     )
-    ends = [
-        plane((s, 0, _BACK + 0.65), (w, 0, 0), (0, _TOP, 0))
-        for s, w in ((-_SIDE - 0.6, 0.7), (_SIDE - 0.1, 0.7))
-    ]
-    yield join(
-        [*ends, plane((-_SIDE, _TOP, 1.5), (2 * _SIDE, 0, 0), (0, 0, _BACK - 1.5), (12, 16)).tiled(6, 9)]
-    ).part(pale)
+    ends = [plane((s, 0, _BACK + 0.65), (w, 0, 0), (0, _TOP, 0)) for s, w in ((-_SIDE - 0.6, 0.7), (_SIDE - 0.1, 0.7))]
+    yield join([*ends, plane((-_SIDE, _TOP, 1.5), (2 * _SIDE, 0, 0), (0, 0, _BACK - 1.5), (12, 16)).tiled(6, 9)]).part(
+        pale
+    )
     behind_joints = plane((-6, -0.5, _BACK - 1.0), (12, 0, 0), (0, 8, 0)).tinted(0.05)
     yield behind_joints.part(pale)
     frames = []

@@ -48,9 +48,7 @@ def _ground(rng: np.random.Generator) -> Part:
     for x, z, _, r in _CAPS:
         shade = shade * beside(points, (x, 0, z), 0.5 * r, 0.06, 0.5)
     soil = mottled(512, ("#22301a", "#3d4f22", "#5d6b2f", "#4a3a22"), rng, 12, 5)
-    return Mesh(points, moss.faces, moss.uv * [8, 7], moss.color * shade, moss.normal).part(
-        Material(texture=soil)
-    )
+    return Mesh(points, moss.faces, moss.uv * [8, 7], moss.color * shade, moss.normal).part(Material(texture=soil))
 
 
 def _toadstools(rng: np.random.Generator) -> Iterator[Part]:
@@ -105,9 +103,7 @@ def _frond(pairs: int) -> Mesh:
     height = 0.5 * np.sin(1.9 * t) - 0.25 * t**2
     size = 0.34 * np.sin(np.pi * (0.10 + 0.9 * t)) ** 0.8 + 0.02
     place = np.column_stack([0 * t, height, t])
-    sides = [
-        facing(np.full(pairs, s * 68.0), np.full(pairs, -12.0), np.full(pairs, s * -14.0)) for s in (-1, 1)
-    ]
+    sides = [facing(np.full(pairs, s * 68.0), np.full(pairs, -12.0), np.full(pairs, s * -14.0)) for s in (-1, 1)]
     blade = leaf(1.0, 0.17, 0.25, 0.2, 2)
     leaves = [scatter(blade, place, turn, size) for turn in sides]
     u = np.linspace(0, 1, 10)
@@ -216,11 +212,5 @@ def _woods(thicket: int, rng: np.random.Generator) -> Iterator[Part]:
     stripe = fractal((1, 1024), (1, 40), rng, 3)[0][None, :] + 0.08 * (haze - 0.5)
     glow = np.exp(-(((u - 0.58) / 0.2) ** 2 + ((v - 0.55) / 0.5) ** 2))
     color = ramp(0.15 + 0.5 * haze + 0.35 * glow + 0.12 * v, ("#2f4a26", "#5f8a3c", "#a9bf62", "#eff0b4"))
-    color = blend(
-        color, color * paint("#6f7a58")[None, None] * 1.6, smooth(0.56, 0.66, stripe) * (1 - 0.6 * glow)
-    )
-    yield (
-        curtain(22.0, 7.0, 6.6, 0.9)
-        .moved(0, -0.6, 0)
-        .part(Material("unlit", texture=color.astype(np.float32)))
-    )
+    color = blend(color, color * paint("#6f7a58")[None, None] * 1.6, smooth(0.56, 0.66, stripe) * (1 - 0.6 * glow))
+    yield (curtain(22.0, 7.0, 6.6, 0.9).moved(0, -0.6, 0).part(Material("unlit", texture=color.astype(np.float32))))

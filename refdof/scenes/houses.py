@@ -43,17 +43,14 @@ def timbered(size: int, plaster: str, beam: str, rng: np.random.Generator) -> Fl
     return np.maximum(blend(timber, wall, smooth(0.06, 0.075, beams + 0.02 * rough)), 0.0).astype(np.float32)
 
 
-def house(
-    width: float, depth: float, storeys: int, wall: str, roof: str, rng: np.random.Generator
-) -> dict[str, Mesh]:
+def house(width: float, depth: float, storeys: int, wall: str, roof: str, rng: np.random.Generator) -> dict[str, Mesh]:
     """House whose front looks along +z, the ridge along x or, when narrow, towards the street."""
     high = _STOREY * storeys
     pitch = rng.uniform(0.9, 1.25)
     gable = width < depth
     across, along = (width, depth) if gable else (depth, width)
     peak = high + 0.5 * across * pitch
-    body = box(width, high, depth)
-    body = _even(body, width, depth)
+    body = box(width, high, depth).tiled(1 / 1.5, 1 / _STOREY)  # bays and storeys
     x, y = np.array([-0.5, 0.0, 0.5]) * across, np.array([high, peak, high])
     ends = []
     for s in (-1, 1):
@@ -83,9 +80,7 @@ def house(
                 for k, e in ((1, along / 2 + over), (1, -along / 2 - over))
             ),
         ]
-        slabs.append(
-            plane((run[0], peak + run[1] + 0.16, -along / 2 - over), (0, 0, along + 2 * over), (0, -0.16, 0))
-        )
+        slabs.append(plane((run[0], peak + run[1] + 0.16, -along / 2 - over), (0, 0, along + 2 * over), (0, -0.16, 0)))
     top_ = join(slabs)
     walls = join([body, *ends]) if gable else join([body, join(ends).turned("y", 90)])
     groups = [{f"wall {wall}": _aged(walls, high), f"roof {roof}": top_ if gable else top_.turned("y", 90)}]
@@ -95,23 +90,11 @@ def house(
     elif width > 6.5 and rng.random() < 0.7:
         groups += [_dormer(s * width * 0.22, high, depth, pitch, roof) for s in (-1, 1)]
     at = rng.uniform(-0.3, 0.3) * along
-    stack = (
-        box(0.7, 2.0, 0.7).moved(0.6, peak - 1.1, at)
-        if gable
-        else box(0.7, 2.0, 0.7).moved(at, peak - 1.1, -0.6)
-    )
+    stack = box(0.7, 2.0, 0.7).moved(0.6, peak - 1.1, at) if gable else box(0.7, 2.0, 0.7).moved(at, peak - 1.1, -0.6)
     pots = [lathe([[(0.13, 0.0), (0.1, 0.4), (0.12, 0.42)]], 6).moved(s * 0.16, 2.0, 0) for s in (-1, 1)]
     foot = stack.vertices.mean(axis=0)
     groups += [{"brick": stack}, {"clay": join(pots).moved(foot[0], peak - 1.1, foot[2])}]
     return gather(groups)
-
-
-def _even(body: Mesh, width: float, depth: float) -> Mesh:
-    """Texture coordinates of a box as bays of 1.5 and storeys, with whole bays on every side."""
-    scale = np.ones((len(body.vertices), 2)) / [1.5, _STOREY]
-    return (
-        Mesh(body.vertices, body.faces, body.uv * scale, body.color, body.normal) if width and depth else body
-    )
 
 
 def _aged(walls: Mesh, high: float) -> Mesh:
@@ -137,9 +120,7 @@ def _openings(width: float, depth: float, storeys: int, rng: np.random.Generator
                     {"trim": join([*jamb, hood, box(1.4, 0.16, 0.5).moved(x, 0, depth / 2 + 0.3)])},
                 ]
             else:
-                groups.append(
-                    _opening(0.95, 1.35, x, storey * _STOREY + 0.85, depth / 2, rng, shutters=storey > 0)
-                )
+                groups.append(_opening(0.95, 1.35, x, storey * _STOREY + 0.85, depth / 2, rng, shutters=storey > 0))
         for side in (-1, 1):
             for z in (-depth / 4, depth / 4):
                 if rng.random() < 0.55:
@@ -208,11 +189,7 @@ def church(rng: np.random.Generator) -> dict[str, Mesh]:
         for k in range(4)
     ]
     for k in range(4):
-        face = (
-            lathe([[(0.0, 0.05), (1.1, 0.05)], [(1.1, 0.05), (1.25, 0.0)]], 24)
-            .turned("x", 90)
-            .moved(0, 14.5, 2.55)
-        )
+        face = lathe([[(0.0, 0.05), (1.1, 0.05)], [(1.1, 0.05), (1.25, 0.0)]], 24).turned("x", 90).moved(0, 14.5, 2.55)
         hands = [box(0.12, 0.95, 0.05).turned("z", a).moved(0, 14.5, 2.62) for a in (-50.0, 70.0)]
         louvre = [box(1.0, 0.12, 0.2).moved(0, 16.3 + 0.3 * j, 2.5) for j in range(6)]
         for name, mesh in (("trim", face), ("frame dark", join(hands)), ("shutter", join(louvre))):

@@ -116,9 +116,7 @@ def label(design: tuple[str, str, str, str, int, str], rng: np.random.Generator,
         color = put(color, paint("#e8cf86"), np.abs(y - level + np.sign(level) * (thick + 0.014)) - 0.006)
     banner = np.maximum(np.abs(y + 0.235 - 0.05 * (0.5 - 2.0 * x * x)) - 0.1, np.abs(x) - 0.44)
     color = put(color, ink, banner)
-    color = put(
-        color, paint("#f7efdc"), lettering(x, y + 0.235 - 0.05 * (0.5 - 2.0 * x * x), word, 0.12) - 0.014
-    )
+    color = put(color, paint("#f7efdc"), lettering(x, y + 0.235 - 0.05 * (0.5 - 2.0 * x * x), word, 0.12) - 0.014)
     # Small print beside the panel, and the paper's own mottling.
     lines = np.maximum(np.abs(np.abs(x) - 0.485) - 0.011, np.abs(y) - 0.34)
     color = blend(color, 0.6 * color, smooth(texel, -texel, lines) * (np.sin(120.0 * y) > 0.1))

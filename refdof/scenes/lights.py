@@ -34,9 +34,7 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     street = _street_lamps(houses)
     cars = _cars()
     near = _garland(int(shot.numbers["garland"]), rng)
-    candle = Lamps(
-        _TABLE[None] + [[-0.10, _TOP + 0.10, -0.03]], np.array([0.012]), np.array([[60.0, 30.0, 9.0]])
-    )
+    candle = Lamps(_TABLE[None] + [[-0.10, _TOP + 0.10, -0.03]], np.array([0.012]), np.array([[60.0, 30.0, 9.0]]))
     across = _across(rng)
     shining = Lamps(*(np.concatenate(a) for a in zip(street, cars[1], near, across, candle, strict=True)))
     yield bulbs(shining).part(Material("unlit"))
@@ -53,10 +51,7 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
 def _street_lamps(houses: int) -> Lamps:
     z = -6.0 - 6.5 * np.arange(houses)
     place = np.concatenate(
-        [
-            np.column_stack([np.full(houses, s * 3.3), np.full(houses, 3.5), z - (s > 0) * 3.0])
-            for s in (-1, 1)
-        ]
+        [np.column_stack([np.full(houses, s * 3.3), np.full(houses, 3.5), z - (s > 0) * 3.0]) for s in (-1, 1)]
     )
     return Lamps(place, np.full(2 * houses, 0.06), np.tile([[95.0, 62.0, 26.0]], (2 * houses, 1)))
 
@@ -65,9 +60,7 @@ def _garland(count: int, rng: np.random.Generator) -> Lamps:
     """Fairy lights on two sagging wires between the lens and the table."""
     t = np.linspace(-1, 1, count // 2)
     wires = [
-        np.column_stack(
-            [0.56 * t, 1.66 - 0.08 * (1 - t**2) + 0.05 * s + 0.10 * s * t, -1.12 + 0.08 * s + 0.05 * t]
-        )
+        np.column_stack([0.56 * t, 1.66 - 0.08 * (1 - t**2) + 0.05 * s + 0.10 * s * t, -1.12 + 0.08 * s + 0.05 * t])
         for s in (-1, 1)
     ]
     place = np.concatenate(wires) + rng.normal(0, 0.006, (2 * len(t), 3))
@@ -82,9 +75,7 @@ def _across(rng: np.random.Generator) -> Lamps:
     place, color = [], []
     for k in range(2):
         t = np.linspace(-1, 1, 13)
-        place.append(
-            np.column_stack([4.3 * t, 4.6 - 0.9 * (1 - t**2) + 0.15 * k, np.full(13, -8.0 - 9.0 * k)])
-        )
+        place.append(np.column_stack([4.3 * t, 4.6 - 0.9 * (1 - t**2) + 0.15 * k, np.full(13, -8.0 - 9.0 * k)]))
         color.append(np.tile([[75.0, 52.0, 24.0]], (13, 1)))
     spots = np.array(
         [
@@ -171,9 +162,7 @@ def _ground(shot: Shot, lamps: Lamps, rng: np.random.Generator) -> Iterator[Part
     wet = Mesh(lit.vertices, lit.faces, lit.uv, lit.color + shine, lit.normal)
     yield wet.part(Material("unlit", texture=stones))
     walk = [box(2.6, 0.14, 62.0).moved(s * 5.0, 0, -35.0) for s in (-1, 1)]
-    yield lamp_light(join(_fine(w) for w in walk), lamps, 0.8, _FLOOR).part(
-        Material("unlit", (0.25, 0.24, 0.24))
-    )
+    yield lamp_light(join(_fine(w) for w in walk), lamps, 0.8, _FLOOR).part(Material("unlit", (0.25, 0.24, 0.24)))
 
 
 def _fine(slab: Mesh) -> Mesh:
@@ -206,15 +195,11 @@ def _houses(count: int, lamps: Lamps, rng: np.random.Generator) -> Iterator[Part
                     bars, pane = window(1.15, 1.7, 2, 2, 0.08)
                     at = (2.1 * (column - 1), 3.9 + 2.9 * row, 0.05)
                     frames.append(put(bars.moved(*at)))
-                    glow = ramp(rng.random(()), ("#ffb45a", "#ffd9a0", "#ff9a4a", "#cfe0ff")) * rng.uniform(
-                        0.4, 1.8
-                    )
+                    glow = ramp(rng.random(()), ("#ffb45a", "#ffd9a0", "#ff9a4a", "#cfe0ff")) * rng.uniform(0.4, 1.8)
                     if rng.random() > 0.42:
                         glow = np.array([0.012, 0.016, 0.03])
                     fall = (
-                        0.55
-                        + 0.6 * pane.vertices[:, 1:2] / 1.7
-                        + 0.25 * rng.standard_normal((len(pane.vertices), 1))
+                        0.55 + 0.6 * pane.vertices[:, 1:2] / 1.7 + 0.25 * rng.standard_normal((len(pane.vertices), 1))
                     )
                     panes.append(put(pane.moved(*at).tinted(np.maximum(fall, 0.1) * glow)))
             glow = ramp(rng.random(()), ("#ffcf8a", "#ffe6bf", "#ff9f6a", "#bfe8e0")) * rng.uniform(0.8, 2.2)

@@ -76,9 +76,7 @@ def baluster(height: float, segments: int = 12) -> Mesh:
     return lathe([[(0.24 * height * r, height * y) for r, y in profile]], segments)
 
 
-def window(
-    width: float, height: float, columns: int = 2, rows: int = 3, frame: float = 0.05
-) -> tuple[Mesh, Mesh]:
+def window(width: float, height: float, columns: int = 2, rows: int = 3, frame: float = 0.05) -> tuple[Mesh, Mesh]:
     """Frame with bars, and the panes behind them; lower middle at the origin, facing +z."""
     bars = [box(frame, height, 0.06).moved(s * (width - frame) / 2, 0, 0) for s in (-1, 1)]
     bars += [box(width - 2 * frame, frame, 0.06).moved(0, y, 0) for y in (0.0, height - frame)]

@@ -91,9 +91,7 @@ def scatter(mesh: Mesh, place: Float, turn: Float, size: Float, color: Float | N
     """
     count, each = len(place), len(mesh.vertices)
     turn = np.asarray(turn)[:, None]
-    vertices = (
-        _apply(turn, mesh.vertices[None]) * np.asarray(size)[:, None, None] + np.asarray(place)[:, None]
-    )
+    vertices = _apply(turn, mesh.vertices[None]) * np.asarray(size)[:, None, None] + np.asarray(place)[:, None]
     normal = _apply(turn, mesh.normal[None])
     tint = np.ones((count, 3)) if color is None else np.asarray(color)
     return Mesh(

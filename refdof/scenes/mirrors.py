@@ -40,17 +40,9 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     feet.append((0.0, 0, -0.07, 0.062, 0.13))
     yield sphere(0.062, 40, 80).moved(-0.205, 0.062, 0.03).part(_metal("chrome"))
     feet.append((-0.205, 0, 0.03, 0.018, 0.1))
-    yield (
-        torus(0.062, 0.021, 96, 40)
-        .turned("x", 90)
-        .turned("y", 38)
-        .moved(0.225, 0.083, -0.05)
-        .part(_metal("brass"))
-    )
+    yield (torus(0.062, 0.021, 96, 40).turned("x", 90).turned("y", 38).moved(0.225, 0.083, -0.05).part(_metal("brass")))
     feet.append((0.225, 0, -0.05, 0.02, 0.12))
-    yield (
-        _knot(0.05, 0.0135).turned("x", 68).turned("y", -20).moved(-0.17, 0.075, -0.34).part(_metal("copper"))
-    )
+    yield (_knot(0.05, 0.0135).turned("x", 68).turned("y", -20).moved(-0.17, 0.075, -0.34).part(_metal("copper")))
     feet.append((-0.17, 0, -0.34, 0.05, 0.1))
     yield _vase().moved(0.17, 0, -0.42).part(_glaze("#123f5a", 0.2))
     feet.append((0.17, 0, -0.42, 0.05, 0.22))
@@ -75,9 +67,7 @@ def _curve(points: list[tuple[float, float]], steps: int) -> list[tuple[float, f
     """Smooth profile through a few points (quadratic B-spline midpoints kept)."""
     line = np.asarray(points)
     for _ in range(steps):  # Chaikin's corner cutting, ends kept
-        cut = np.stack(
-            [0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]], axis=1
-        ).reshape(-1, 2)
+        cut = np.stack([0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]], axis=1).reshape(-1, 2)
         line = np.concatenate([line[:1], cut[1:-1], line[-1:]])
     return [(float(x), float(y)) for x, y in line]
 
@@ -203,8 +193,6 @@ def _stage(
     s, t = np.meshgrid(np.linspace(-1, 1, 41), np.linspace(0, 1, 25))
     fold = 0.02 * np.sin(17 * s + 2 * t) * (0.4 + t)
     cloth = surface(np.stack([2.0 * s, 1.6 * t**1.4, -0.97 - 0.5 * np.sqrt(t) + fold], axis=-1))
-    tone = (0.45 + 0.75 * np.exp(-((s - 0.1) ** 2 / 0.12 + (t - 0.25) ** 2 / 0.12)) + 4.0 * fold).reshape(
-        -1, 1
-    )
+    tone = (0.45 + 0.75 * np.exp(-((s - 0.1) ** 2 / 0.12 + (t - 0.25) ** 2 / 0.12)) + 4.0 * fold).reshape(-1, 1)
     backdrop = mottled(512, ("#66757c", "#929d9a", "#beb8a8"), rng, 5)
     yield cloth.tiled(2, 1).tinted(tone).part(Material(texture=backdrop))

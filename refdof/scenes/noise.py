@@ -65,6 +65,4 @@ class Noise3:
 
     def fractal(self, points: Float, octaves: int = 3, gain: float = 0.5) -> Float:
         """Sum of noises, each twice as fine and `gain` as strong."""
-        return sum(
-            (gain**k * self(points * 2.0**k + 5.3 * k) for k in range(octaves)), np.zeros(points.shape[:-1])
-        )
+        return sum((gain**k * self(points * 2.0**k + 5.3 * k) for k in range(octaves)), np.zeros(points.shape[:-1]))

@@ -148,9 +148,7 @@ def figure(pose: str, mirrored: bool = False) -> Float:
     return shape
 
 
-def draped(
-    body: Body, torso: Body, waist: float, hem: float, rng: np.random.Generator, folds: int = 17
-) -> Body:
+def draped(body: Body, torso: Body, waist: float, hem: float, rng: np.random.Generator, folds: int = 17) -> Body:
     """The body with a skirt from the waist to the hem, in deep folds, and a sash about its torso."""
     noise, phase = Noise3(rng), rng.uniform(0, 6.28)
 
@@ -159,9 +157,7 @@ def draped(
         own = body(points)
         angle = np.arctan2(x, z)
         t = np.clip((waist - y) / waist, 0.0, 1.0)
-        wave = np.sin(folds * angle + phase + 2.5 * noise(points * [1.5, 1.0, 1.5])) + 0.4 * np.sin(
-            9 * angle + 5 * y
-        )
+        wave = np.sin(folds * angle + phase + 2.5 * noise(points * [1.5, 1.0, 1.5])) + 0.4 * np.sin(9 * angle + 5 * y)
         radius = 0.155 + 0.13 * t**0.8 + (0.004 + 0.022 * t) * wave
         skirt = (np.hypot(x, z / 0.88) - radius) * 0.75
         skirt = np.maximum(skirt, np.maximum(y - waist - 0.02 * np.sin(3 * angle), hem - y))
@@ -180,7 +176,5 @@ def statue(pose: str, hem: float, cell: float, rng: np.random.Generator, mirrore
     face = soft_union(head((0, 1.64, 0.02), 1.0, sign * turn, nod), 0.011)
     torso, limbs = soft_union(np.array(_TORSO), 0.03), soft_union(figure(pose, mirrored), 0.03)
     body = sculpt(draped(limbs, torso, 1.02, hem, rng), (-0.95, -0.05, -0.5), (0.95, 2.05, 0.55), cell)
-    bust = sculpt(
-        lambda p: np.maximum(face(p), 1.44 - p[:, 1]), (-0.16, 1.40, -0.16), (0.16, 1.84, 0.19), 0.44 * cell
-    )
+    bust = sculpt(lambda p: np.maximum(face(p), 1.44 - p[:, 1]), (-0.16, 1.40, -0.16), (0.16, 1.84, 0.19), 0.44 * cell)
     return join([body, bust])

@@ -56,9 +56,7 @@ def blossom(rng: np.random.Generator, petal: str = "#f3c3cf", heart: str = "#b83
     one = leaf(0.5, 0.52, -0.25, 0.12, 5)
     t = one.vertices[:, 2:3] / 0.5
     one = one.tinted(paint(heart) + (paint(petal) - paint(heart)) * np.clip(0.25 + 1.2 * t, 0, 1))
-    petals = [
-        one.turned("x", rng.uniform(-12, 4)).turned("y", 72.0 * k + rng.uniform(-6, 6)) for k in range(5)
-    ]
+    petals = [one.turned("x", rng.uniform(-12, 4)).turned("y", 72.0 * k + rng.uniform(-6, 6)) for k in range(5)]
     threads = []
     for k in range(7):
         end = np.array([0.16 * np.sin(0.7 * k), 0.16 + 0.04 * (k % 3), 0.16 * np.cos(0.7 * k)])
@@ -88,19 +86,12 @@ def daisy(rng: np.random.Generator, stem: float, petal: str, heart: str, petals:
     lean = rng.uniform(-0.25, 0.25, 2) * stem
     path = np.array([[0, 0, 0], [0.2 * lean[0], 0.5 * stem, 0.2 * lean[1]], [lean[0], stem, lean[1]]])
     t = np.linspace(0, 2, 6)
-    stalk = tube(np.stack([_catmull(path[:, i], t) for i in range(3)], axis=1), 0.035, 5).tinted(
-        paint("#4c7a2e")
-    )
+    stalk = tube(np.stack([_catmull(path[:, i], t) for i in range(3)], axis=1), 0.035, 5).tinted(paint("#4c7a2e"))
     one = leaf(0.5, 0.2, 0.15, 0.15, 3)
     one = one.tinted(paint(petal) * (0.7 + 0.6 * one.vertices[:, 2:3]))
     head = [one.turned("x", -8.0).turned("y", 360.0 * k / petals) for k in range(petals)]
     head.append(sphere(0.14, 5, 9).scaled(1.0, 0.6, 1.0).moved(0, 0.02, 0).tinted(paint(heart)))
-    tipped = (
-        join(head)
-        .turned("x", rng.uniform(10, 50))
-        .turned("y", rng.uniform(0, 360))
-        .moved(lean[0], stem, lean[1])
-    )
+    tipped = join(head).turned("x", rng.uniform(10, 50)).turned("y", rng.uniform(0, 360)).moved(lean[0], stem, lean[1])
     return join([stalk, tipped])
 
 

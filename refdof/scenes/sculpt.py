@@ -54,13 +54,7 @@ def merged(one: Float, other: Float, soft: float) -> Float:
     return np.minimum(one, other) - h * h / (4.0 * soft)
 
 
-def sculpt(
-    body: Body,
-    low: tuple[float, float, float],
-    high: tuple[float, float, float],
-    cell: float,
-    relief: Body | None = None,
-) -> Mesh:
+def sculpt(body: Body, low: tuple[float, float, float], high: tuple[float, float, float], cell: float) -> Mesh:
     """Triangulate `body` inside a box.
 
     Parameters
@@ -69,20 +63,16 @@ def sculpt(
     low, high : corners of a box that holds the body
     cell : float
         Size of the coarse grid; the mesh's edges are about a quarter of it.
-    relief : function of (N, 3) points, or None
-        Height added along the normal in the end.
     """
-    vertices, faces = _surface_nets(*_grid(body, low, high, cell), np.asarray(low), cell)
+    vertices, faces = _surface_nets(_grid(body, low, high, cell), np.asarray(low), cell)
     vertices = _settle(body, vertices, cell, 2)
-    for _ in range(2):
-        vertices, faces = _split(vertices, faces)
-        vertices = _settle(body, vertices, cell / 2, 1)
+    vertices, faces = _split(vertices, faces)
+    vertices = _settle(body, vertices, cell / 2, 1)
+    vertices, faces = _split(vertices, faces)
+    vertices = vertices - np.clip(body(vertices), -cell / 4, cell / 4)[:, None] * _normals(vertices, faces)
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     faces = faces[(np.cross(b - a, c - a) != 0.0).any(axis=1)]
     normal = _normals(vertices, faces)
-    if relief is not None:
-        vertices = vertices + relief(vertices)[:, None] * normal
-        normal = _normals(vertices, faces)
     # Ambient darkening: how far the body stands back along the normal, near and far.
     open_ = [np.clip(body(vertices + r * normal) / r, 0.0, 1.0) for r in (0.045, 0.16)]
     shade = (0.35 + 0.65 * open_[0]) * (0.45 + 0.55 * open_[1])
@@ -90,10 +80,10 @@ def sculpt(
     return Mesh(vertices, faces, uv, np.repeat(shade[:, None], 3, axis=1), normal)
 
 
-def _grid(body: Body, low: tuple, high: tuple, cell: float) -> tuple[Float]:
+def _grid(body: Body, low: tuple, high: tuple, cell: float) -> Float:
     axes = [np.arange(a, b + cell, cell) for a, b in zip(low, high, strict=True)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    return (body(points.reshape(-1, 3)).reshape(points.shape[:3]),)
+    return body(points.reshape(-1, 3)).reshape(points.shape[:3])
 
 
 def _surface_nets(values: Float, low: Float, cell: float) -> tuple[Float, Index]:

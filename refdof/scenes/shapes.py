@@ -15,9 +15,7 @@ __all__ = ["arch", "box", "disc", "lathe", "leaf", "plane", "sphere", "surface",
 
 
 # A cube of edge 1 that stands on the origin: front, back, right, left, top and bottom, four corners each.
-_CUBE_AXES = np.repeat(
-    [[0, 1], [0, 1], [2, 1], [2, 1], [0, 2], [0, 2]], 4, axis=0
-)  # which edges u and v run along
+_CUBE_AXES = np.repeat([[0, 1], [0, 1], [2, 1], [2, 1], [0, 2], [0, 2]], 4, axis=0)  # which edges u and v run along
 _CUBE_UV = np.tile([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], (6, 1))
 _CUBE_NORMAL = np.repeat([[0.0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], 4, axis=0)
 _CUBE_RIGHT = np.repeat([[1.0, 0, 0], [-1, 0, 0], [0, 0, -1], [0, 0, 1], [1, 0, 0], [1, 0, 0]], 4, axis=0)
@@ -93,16 +91,12 @@ def lathe(sections: Sequence[Sequence[tuple[float, float]] | Float], segments: i
     meshes = []
     for section in sections:
         r, y = np.asarray(section, dtype=np.float64).T[:, :, None]
-        points = np.stack(
-            [r * np.sin(angle), np.broadcast_to(y, (len(r), segments + 1)), r * np.cos(angle)], axis=-1
-        )
+        points = np.stack([r * np.sin(angle), np.broadcast_to(y, (len(r), segments + 1)), r * np.cos(angle)], axis=-1)
         meshes.append(surface(points, closed=(False, True)))
     return join(meshes)
 
 
-def sphere(
-    radius: float, rows: int = 16, columns: int = 32, bulge: Callable[[Float], Float] | None = None
-) -> Mesh:
+def sphere(radius: float, rows: int = 16, columns: int = 32, bulge: Callable[[Float], Float] | None = None) -> Mesh:
     """Sphere about the origin; `bulge` maps unit directions (m, n, 3) to factors (m, n) of the radius."""
     theta = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)[:, None]
     phi = np.linspace(0, 2 * np.pi, columns + 1)[None, :]
@@ -152,17 +146,13 @@ def tube(path: Float, radius: float | Float, sides: int = 8, closed: bool = Fals
     return surface(points, np.stack([u, v], axis=-1), (closed, True))
 
 
-def leaf(
-    length: float = 1.0, width: float = 0.4, bend: float = 0.3, fold: float = 0.2, cells: int = 4
-) -> Mesh:
+def leaf(length: float = 1.0, width: float = 0.4, bend: float = 0.3, fold: float = 0.2, cells: int = 4) -> Mesh:
     """Pointed leaf from the origin along +z, face up, bent down at the tip and folded along its middle."""
     t = np.linspace(0, 1, cells + 1)[:, None]
     half = width / 2 * np.sin(np.pi * t**0.8) ** 0.9
     half[[0, -1]] = [[0.012 * width], [0.0]]
     s = np.array([[-1.0, 0.0, 1.0]])
-    points = np.stack(
-        [half * s, half * fold * np.abs(s) - bend * length * t**2 + 0 * s, length * t + 0 * s], axis=-1
-    )
+    points = np.stack([half * s, half * fold * np.abs(s) - bend * length * t**2 + 0 * s, length * t + 0 * s], axis=-1)
     return surface(points)
 
 

@@ -77,9 +77,7 @@ def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
     _keys(f"{file}: lens", lens, ("radius", "focus_distance"), ("blades", "rotation", "curvature"))
     for key in ("rotation", "curvature"):
         if key in lens and "blades" not in lens:
-            raise InputError(
-                f"{file}: lens: {key}: needs blades; allowed is a lens without it, or with blades"
-            )
+            raise InputError(f"{file}: lens: {key}: needs blades; allowed is a lens without it, or with blades")
     chosen = _table(file, table, "numbers")
     _keys(f"{file}: numbers", chosen, tuple(numbers))
     words = {key: table[key] for key in ("title", "shows", "inspired_by")}

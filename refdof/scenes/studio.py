@@ -38,9 +38,7 @@ def studio(size: int, table: str) -> Float:
     # The table's boards below, lighter under the lamps; the room's skirting as a thin line.
     below = smooth(0.01, -0.02, up)
     plank = 0.8 + 0.2 * np.sign(np.sin(14.0 * d[..., 0] / np.maximum(-up, 0.05)))
-    color = blend(
-        color, paint(table) * (0.35 + 0.5 * np.maximum(-up, 0))[..., None] * plank[..., None], below
-    )
+    color = blend(color, paint(table) * (0.35 + 0.5 * np.maximum(-up, 0))[..., None] * plank[..., None], below)
     color = blend(color, paint("#8a8078"), 0.6 * smooth(0.012, 0.004, np.abs(up - 0.10)))
 
     def panel(bearing0: float, up0: float, wide: float, high: float, bars: int = 0) -> Float:

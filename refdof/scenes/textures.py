@@ -45,9 +45,7 @@ def ramp(amount: Float, codes: Sequence[str]) -> Float:
     return colors[k] + (x - k)[..., None] * (colors[k + 1] - colors[k])
 
 
-def mottled(
-    size: int, codes: Sequence[str], rng: np.random.Generator, cells: int = 4, octaves: int = 6
-) -> Float:
+def mottled(size: int, codes: Sequence[str], rng: np.random.Generator, cells: int = 4, octaves: int = 6) -> Float:
     """Plaster, soil, grass from afar: fractal noise over a row of paints."""
     amount = fractal((size, size), (cells, cells), rng, octaves, 0.6)
     return ramp(0.5 + 0.9 * (amount - 0.5), codes).astype(np.float32)
@@ -100,9 +98,7 @@ def tiles(
         tone = 0.88 * ((i + j) % 2) + 0.12 * tone
     color = ramp(np.clip(tone + 0.35 * vein, 0, 1), codes) * (1.0 + 0.35 * vein)[..., None]
     color *= (0.88 + 0.12 * smooth(0.0, 0.12, edge))[..., None]
-    return blend(paint(grout) * (1.0 + vein)[..., None], color, smooth(joint * 0.6, joint, edge)).astype(
-        np.float32
-    )
+    return blend(paint(grout) * (1.0 + vein)[..., None], color, smooth(joint * 0.6, joint, edge)).astype(np.float32)
 
 
 def cobbles(size: int, count: int, codes: Sequence[str], gap: str, rng: np.random.Generator) -> Float:
@@ -123,9 +119,9 @@ def cobbles(size: int, count: int, codes: Sequence[str], gap: str, rng: np.rando
     edge = second - first
     rough = fractal((size, size), (8, 8), rng, 5, 0.65) - 0.5
     color = ramp(mine + 0.3 * rough, codes) * (0.6 + 0.4 * smooth(0.0, 0.5, edge) + 0.3 * rough)[..., None]
-    return np.maximum(
-        blend(paint(gap) * (1.0 + rough)[..., None], color, smooth(0.04, 0.14, edge)), 0.0
-    ).astype(np.float32)
+    return np.maximum(blend(paint(gap) * (1.0 + rough)[..., None], color, smooth(0.04, 0.14, edge)), 0.0).astype(
+        np.float32
+    )
 
 
 def wood(size: int, codes: Sequence[str], rng: np.random.Generator, rings: float = 9.0) -> Float:
@@ -133,9 +129,7 @@ def wood(size: int, codes: Sequence[str], rng: np.random.Generator, rings: float
     _, v = _grid(size)
     warp = fractal((size, size), (4, 1), rng, 4)
     ring = 0.5 + 0.5 * np.sin(2 * np.pi * (rings * v + 3.0 * (warp - 0.5)))
-    fibre = (
-        value_noise((size, size), (size // 3, 6), rng) + value_noise((size, size), (size // 6, 3), rng) - 1.0
-    )
+    fibre = value_noise((size, size), (size // 3, 6), rng) + value_noise((size, size), (size // 6, 3), rng) - 1.0
     broad = fractal((size, size), (3, 2), rng, 4) - 0.5
     return ramp(0.35 + 0.28 * ring**1.5 + 0.3 * fibre + 0.5 * broad, codes).astype(np.float32)
 
@@ -147,10 +141,7 @@ def planks(size: int, count: int, codes: Sequence[str], rng: np.random.Generator
     grain = wood(size, codes, rng, 2.5 * count)
     shift = rng.integers(0, size, count)
     columns = (np.arange(size)[None, :] + shift[board[:, 0]][:, None]) % size
-    color = (
-        np.take_along_axis(grain, columns[..., None], axis=1)
-        * rng.uniform(0.72, 1.12, count)[board][..., None]
-    )
+    color = np.take_along_axis(grain, columns[..., None], axis=1) * rng.uniform(0.72, 1.12, count)[board][..., None]
     end = (u + rng.random(count)[board]) % 1.0
     edge = np.minimum(np.minimum(v * count % 1, 1 - v * count % 1), np.minimum(end, 1 - end) * count)
     return (color * (0.25 + 0.75 * smooth(0.3 * gap, 1.6 * gap, edge))[..., None]).astype(np.float32)

@@ -36,9 +36,7 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     for x, z, turn, width, depth, storeys in lots:
         wall, roof = _WALLS[rng.integers(len(_WALLS))], _ROOFS[rng.integers(len(_ROOFS))]
         one = house(width, depth, int(storeys), wall, roof, rng)
-        groups.append(
-            {n: m.turned("y", turn).moved(x, float(_ground_level(x, z)), z) for n, m in one.items()}
-        )
+        groups.append({n: m.turned("y", turn).moved(x, float(_ground_level(x, z)), z) for n, m in one.items()})
     end = -pitch * rows - 6.0
     groups.append({n: m.moved(float(_bend(end)) + 1.0, 0, end - 10.0) for n, m in church(rng).items()})
     skins = _materials(rng)
@@ -47,7 +45,7 @@ def build(shot: Shot, rng: np.random.Generator) -> Iterator[Part]:
     yield from _terrain(lots, shot, rng)
     yield from _greenery(trees, rows * pitch, lots, rng)
     yield from _street(rows * pitch, rng)
-    yield sky(260.0, ("#e9e2d0", "#a9c9e6", "#5c92cf"), rng, cover=0.3, ridge=("#5f7a86", 0.16))
+    yield sky(260.0, ("#e9e2d0", "#a9c9e6", "#5c92cf"), rng, cover=0.3, ridge=("#5f7a86", 0.05))
 
 
 def _bend(z: float | Float) -> Float:
@@ -61,9 +59,7 @@ def _ground_level(x: float | Float, z: float | Float) -> float | Float:
     return 0.16 * off + 0.0012 * off**2
 
 
-def _lots(
-    rows: int, pitch: float, rng: np.random.Generator
-) -> list[tuple[float, float, float, float, float, int]]:
+def _lots(rows: int, pitch: float, rng: np.random.Generator) -> list[tuple[float, float, float, float, float, int]]:
     """(x, z, turn, width, depth, storeys) of every house: two rows along the street, others on the slopes."""
     lots: list[tuple[float, float, float, float, float, int]] = []
     for k in range(rows):
@@ -84,9 +80,7 @@ def _lots(
             if k % 2:
                 z = -pitch * k + rng.uniform(-2, 2)
                 x = float(_bend(z)) + side * rng.uniform(21, 30)
-                lots.append(
-                    (x, z, -90.0 * side + rng.uniform(-25, 25), rng.uniform(6, 8), rng.uniform(6, 8), 2)
-                )
+                lots.append((x, z, -90.0 * side + rng.uniform(-25, 25), rng.uniform(6, 8), rng.uniform(6, 8), 2))
     return lots
 
 
@@ -143,10 +137,10 @@ def _terrain(lots: list, shot: Shot, rng: np.random.Generator) -> Iterator[Part]
     z = 24.0 - 250.0 * t**1.3
     x = _bend(z) + 120.0 * np.sign(s) * np.abs(s) ** 1.6
     slope = surface(np.stack([x, _ground_level(x, z), z], axis=-1), np.stack([x, z], axis=-1) / 18.0)
-    shade = (0.9 + 0.3 * Noise3(rng).fractal(slope.vertices * 0.06)).reshape(-1, 1)
+    patches = (0.9 + 0.3 * Noise3(rng).fractal(slope.vertices * 0.06))[:, None]
     for x0, z0, _, width, _, _ in lots:
-        shade = shade * beside(slope.vertices, (x0, 0, z0), 0.5 * width, 1.5, 0.4)
-    yield slope.tinted(shade).part(
+        slope = slope.tinted(beside(slope.vertices, (x0, 0, z0), 0.5 * width, 1.5, 0.4))
+    yield slope.tinted(patches).part(
         Material(texture=mottled(512, ("#4c6a2c", "#6f8f3e", "#96a85a", "#b3a968"), rng, 8))
     )
 
@@ -172,9 +166,7 @@ def _greenery(count: int, length: float, lots: list, rng: np.random.Generator) -
         high = rng.uniform(4.0, 5.0) if k % 5 == 0 else rng.uniform(6.0, 10.5)
         trunk, crown = kinds[k % 3]
         for mesh, found in ((trunk, trunks), (crown, crowns)):
-            found.append(
-                mesh.scaled(high).turned("y", rng.uniform(0, 360)).moved(x, float(_ground_level(x, z)), z)
-            )
+            found.append(mesh.scaled(high).turned("y", rng.uniform(0, 360)).moved(x, float(_ground_level(x, z)), z))
     yield join(trunks).part(Material(base_color=tuple(paint("#5f4a36").tolist())))
     yield join(crowns).part(Material())
 
@@ -188,9 +180,7 @@ def _street(length: float, rng: np.random.Generator) -> Iterator[Part]:
         stalls += [box(0.09, 2.2, 0.09).moved(x + a, 0, z + b) for a in (-1.0, 1.0) for b in (-0.8, 0.8)]
         stalls.append(box(2.0, 0.9, 1.3).moved(x, 0, z))
         s, t = np.meshgrid(np.linspace(-1, 1, 13), np.linspace(-1, 1, 5))
-        roof = surface(
-            np.stack([1.25 * s, 2.75 - 0.55 * t**2 - 0.04 * np.cos(12 * s) * np.abs(t), 1.15 * t], axis=-1)
-        )
+        roof = surface(np.stack([1.25 * s, 2.75 - 0.55 * t**2 - 0.04 * np.cos(12 * s) * np.abs(t), 1.15 * t], axis=-1))
         stripe = np.where(np.arange(13) % 2, 1.0, 0.0)[None, :].repeat(5, axis=0).reshape(-1, 1)
         code = ("#b8342c", "#2f6a8f", "#3f7f4a", "#d08a2c")[k % 4]
         cloths.append(roof.tinted(paint(code) + (paint("#f2ead8") - paint(code)) * stripe).moved(x, 0, z))
@@ -198,17 +188,11 @@ def _street(length: float, rng: np.random.Generator) -> Iterator[Part]:
             ball = lathe([[(0.0, 0.0), (0.11, 0.05), (0.1, 0.14), (0.0, 0.18)]], 6)
             fruit = paint(("#d0452c", "#e3a62f", "#6a9a3a", "#8f3f5a", "#e07a2c")[(j // 5 + k) % 5])
             cloths.append(ball.tinted(fruit).moved(x - 0.8 + 0.23 * (j % 8), 0.9, z - 0.4 + 0.4 * (j // 8)))
-    post = lathe(
-        [[(0.16, 0.0), (0.15, 0.4), (0.07, 0.5), (0.05, 3.2), (0.2, 3.4), (0.16, 3.9), (0.0, 4.2)]], 8
-    )
+    post = lathe([[(0.16, 0.0), (0.15, 0.4), (0.07, 0.5), (0.05, 3.2), (0.2, 3.4), (0.16, 3.9), (0.0, 4.2)]], 8)
     for k in range(10):
         z = 2.0 - length * k / 10
         posts.append(post.moved(float(_bend(z)) + (4.4 if k % 2 else -4.4), 0, z))
-    yield (
-        join(stalls)
-        .tiled(0.5, 0.5)
-        .part(Material(texture=mottled(128, ("#6a4a30", "#8c6642", "#a88258"), rng)))
-    )
+    yield (join(stalls).tiled(0.5, 0.5).part(Material(texture=mottled(128, ("#6a4a30", "#8c6642", "#a88258"), rng))))
     yield join(cloths).part(Material())
     yield join(posts).part(Material("phong", (0.06, 0.07, 0.07), specular=(0.1, 0.1, 0.1)))
     shape = car()
@@ -225,9 +209,5 @@ def _street(length: float, rng: np.random.Generator) -> Iterator[Part]:
             "rear": paint("#8c1a16"),
             "front": paint("#efe9d6"),
         }
-        whole = (
-            join(m.tinted(tints[n]) for n, m in shape.items())
-            .turned("y", turn)
-            .moved(x + float(_bend(z)), 0.03, z)
-        )
+        whole = join(m.tinted(tints[n]) for n, m in shape.items()).turned("y", turn).moved(x + float(_bend(z)), 0.03, z)
         yield whole.part(Material("phong", specular=(0.14, 0.14, 0.14), shininess=60))

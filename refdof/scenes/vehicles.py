@@ -41,8 +41,7 @@ def car() -> dict[str, Mesh]:
     bumpers = [box(1.66, 0.18, 0.12).moved(0, 0.36, z) for z in (-2.02, 2.0)]
     rear = [box(0.3, 0.12, 0.04).moved(s * 0.58, 0.68, -2.05) for s in (-1, 1)]
     front = [
-        lathe([[(0.0, 0.04), (0.1, 0.03), (0.12, 0.0)]], 12).turned("x", 90).moved(s * 0.56, 0.64, 2.0)
-        for s in (-1, 1)
+        lathe([[(0.0, 0.04), (0.1, 0.03), (0.12, 0.0)]], 12).turned("x", 90).moved(s * 0.56, 0.64, 2.0) for s in (-1, 1)
     ]
     return {
         "paint": join([body, roof]),
@@ -67,9 +66,7 @@ def _side(profile: tuple, half: float, sill: float) -> Mesh:
     flanks = []
     for s in (-1, 1):
         rows = [
-            np.column_stack(
-                [np.full(len(z), s * (half + 0.05 * np.sin(np.pi * t))), sill + t * (y - sill), z]
-            )
+            np.column_stack([np.full(len(z), s * (half + 0.05 * np.sin(np.pi * t))), sill + t * (y - sill), z])
             for t in np.linspace(0.02, 1, 6)
         ]
         flanks.append(surface(np.stack(rows)))

@@ -1,0 +1,1 @@
+"""OpenGL without a window, as a partner to compare with."""

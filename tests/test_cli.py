@@ -1,0 +1,112 @@
+"""The command line as a user sees it: output, exit status, one line for bad input."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from refdof import METHODS, SCENES
+from refdof.cli import main
+from refdof.image_file import load_image
+
+SMALL = ["--size", "48x36", "--samples", "64"]
+
+
+def refdof(*words, cwd=None):
+    command = [sys.executable, "-m", "refdof.cli", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=cwd)
+
+
+def test_scenes_and_methods_list_the_registry():
+    listed = refdof("scenes", "--json")
+    assert [row["scene"] for row in json.loads(listed.stdout)] == list(SCENES)
+    listed = refdof("methods", "--json")
+    assert [row["method"] for row in json.loads(listed.stdout)] == list(METHODS)
+    assert all(name in refdof("methods").stdout for name in METHODS)
+
+
+def test_compare_writes_everything(tmp_path):
+    done = refdof("compare", "branches", *SMALL, "--out", "here", "--set", "accumulation.samples=16", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("### branches, 48 x 36")
+    names = {path.name for path in (tmp_path / "here").iterdir()}
+    assert names >= {"table.md", "table.csv", "table.json", "overview.png", "report.html"}
+    assert names >= {f"{name}.{kind}" for name in [*METHODS, "reference"] for kind in ("png", "npy")}
+    table = json.loads((tmp_path / "here" / "table.json").read_text())
+    assert table["scene"] == "branches"
+    assert {row["method"]: row["params"] for row in table["rows"]}["accumulation"]["samples"] == 16
+
+
+def test_compare_takes_files_and_several_scenes(tmp_path):
+    (tmp_path / "card.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0.5\nf 1 2 3 4\n")
+    done = refdof("compare", "card.obj", "branches", "--methods", "singlepass", *SMALL, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "branches" / "singlepass.png").exists()
+    assert len(json.loads((tmp_path / "out" / "table.json").read_text())) == 2
+
+
+def test_the_same_command_gives_the_same_picture(tmp_path):
+    for threads, name in ((1, "a.npy"), (2, "b.npy")):
+        words = ("--method", "accumulation", "--size", "40x30", "--threads", str(threads), "-o", name)
+        done = refdof("render", "branches", *words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
+
+
+@pytest.mark.parametrize("suffix", [".png", ".exr", ".npy"])
+def test_render_writes_the_kind_that_the_name_says(tmp_path, suffix):
+    done = refdof("render", "branches", "--method", "singlepass", "--size", "20x15", "-o", f"a{suffix}", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert load_image(tmp_path / f"a{suffix}").shape == (15, 20, 3)
+
+
+def test_bad_input_from_a_shell():
+    done = refdof("compare", "fenc")
+    assert done.returncode == 2
+    assert done.stderr.startswith("refdof: scene: got 'fenc'; did you mean 'fence'?")
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["compare", "fenc"], "scene: got 'fenc'; did you mean 'fence'"),
+        (["compare", "nothing.obj"], "scene: got"),
+        (["compare", "fence", "--methods", "multivew"], "method: got 'multivew'; allowed are"),
+        (["compare", "fence", "--methods", "singlepas"], "did you mean 'singlepass'"),
+        (["compare", "fence", "--size", "640"], "size: got '640'; allowed is WIDTHxHEIGHT"),
+        (["compare", "fence", "--size", "0x10"], "size: got"),
+        (["compare", "fence", "--size", "10x10"], "size: got 10x10; allowed for scores is at least 11x11"),
+        (["compare", "fence", "--size", "99999x10"], "size: got"),
+        (["compare", "fence", "--lens-radius", "-1"], "radius: got -1; allowed is a finite number >= 0"),
+        (["compare", "fence", "--lens-radius", "nan"], "radius: got nan"),
+        (["compare", "fence", "--focus", "0"], "focus_distance: got 0; allowed is a number > 0"),
+        (["compare", "fence", "--samples", "0"], "samples: got 0; allowed is a whole number in 1"),
+        (["compare", "fence", "--tolerance", "0"], "tolerance: got 0; allowed is a finite number > 0"),
+        (["compare", "fence", "--seed", "-1"], "seed: got -1"),
+        (["compare", "fence", "--threads", "0"], "threads: got 0"),
+        (["compare", "fence", "--set", "samples=3"], "set: got 'samples=3'; allowed are accumulation.KEY=VALUE"),
+        (["compare", "fence", "--set", "accumulation.sample=3"], "did you mean 'samples'"),
+        (["compare", "fence", "--set", "accumulation.samples=many"], "samples: got 'many'"),
+        (["compare", "fence", "--set", "singlepass.depth_filter=cubic"], "depth_filter: got 'cubic'; allowed are nearest"),
+        (["render", "fence", "--method", "nothing", "-o", "a.png"], "method: got 'nothing'; allowed are"),
+        (["render", "fence", "--method", "singlepass", "-o", "a.jpg"], "output: got 'a.jpg'; allowed are names that end"),
+        (["render", "fence", "--method", "singlepass", "--size", "20x15", "-o", "/proc/no/a.png"], "out"),
+        (["render", "fence", "--method", "singlepass"], "Missing option"),
+        (["rendr"], "No such command 'rendr'"),
+        (["compare", "fence", "--frobnicate"], "No such option"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(tmp_path, monkeypatch, capsys, words, message):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["refdof", *words])
+    with pytest.raises(SystemExit) as status:
+        main()
+    assert status.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.strip().splitlines()) == 1, err
+    assert message in err
+    assert not list(tmp_path.rglob("*.png"))

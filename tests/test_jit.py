@@ -1,0 +1,74 @@
+"""The cache cannot go stale, and compiled helpers do what they say."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refdof import _jit
+
+PACKAGE = Path(_jit.__file__).parent
+
+
+def run(folder, cache):
+    words = {**os.environ, "PYTHONPATH": str(folder), "REFDOF_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    code = "from refdof.probe import answer; print(answer(1.0))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=words, cwd=folder, capture_output=True, text=True, timeout=300, check=True
+    )
+    return done.stdout.strip()
+
+
+def test_an_edited_helper_is_seen_at_once(tmp_path):
+    """The kernel's file stays as it is; only the helper in another file changes."""
+    package, cache = tmp_path / "refdof", tmp_path / "cache"
+    package.mkdir()
+    shutil.copy(PACKAGE / "_jit.py", package / "_jit.py")
+    (package / "__init__.py").write_text("")
+    (package / "helper.py").write_text(
+        "from refdof._jit import inline\n\n\n@inline\ndef step(x):\n    return x + 1.0\n"
+    )
+    (package / "probe.py").write_text(
+        "from refdof._jit import tile_kernel\nfrom refdof.helper import step\n\n\n"
+        "@tile_kernel\ndef answer(x):\n    return step(x)\n"
+    )
+    assert run(tmp_path, cache) == "2.0"
+    assert run(tmp_path, cache) == "2.0"
+    assert len(list(cache.iterdir())) == 1
+    helper = package / "helper.py"
+    helper.write_text(helper.read_text().replace("1.0", "100.0"))
+    assert run(tmp_path, cache) == "101.0"
+    assert len(list(cache.iterdir())) == 2
+
+
+def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
+    package, cache = tmp_path / "refdof", tmp_path / "cache"
+    package.mkdir()
+    shutil.copy(PACKAGE / "_jit.py", package / "_jit.py")
+    (package / "__init__.py").write_text("")
+    (package / "probe.py").write_text("from refdof import _jit\n\n\ndef answer(x):\n    return x\n")
+    for name, days in (("old", 40), ("young", 10)):
+        (cache / name).mkdir(parents=True)
+        os.utime(cache / name, (time.time() - days * 86400,) * 2)
+    assert run(tmp_path, cache) == "1.0"
+    assert not (cache / "old").exists()
+    assert (cache / "young").exists()
+
+
+def test_tasks_report_progress_and_pass_errors_on():
+    seen = []
+    out = np.zeros(10)
+    _jit.run_tasks(lambda k: out.__setitem__(k, k * k), range(10), lambda done, count: seen.append((done, count)))
+    assert out.tolist() == [k * k for k in range(10)]
+    assert seen[-1] == (10, 10)
+
+    def fail(k):
+        raise ValueError(k)
+
+    with pytest.raises(ValueError, match="3"):
+        _jit.run_tasks(fail, [3])
