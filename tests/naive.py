@@ -20,12 +20,12 @@ def single_pass(color, depth, coc, depth_filter):
 def single_pass_at(x, y, color, depth, coc, depth_filter):
     """The listing's `depthOfField` for one pixel: (3,).
 
-    Offsets are taken in double precision, the listing's depth test is made on inverse depths, and smoothstep is
-    t (t (3 - 2 t)).
+    Offsets are taken in double precision, "bilinear" blends inverse depth and signed circles of confusion, and
+    smoothstep is t (t (3 - 2 t)).
     """
     own = color.dtype.type
-    half, one, two, three, largest = (own(v) for v in (0.5, 1, 2, 3, 20))
-    inverse = own(1) / depth
+    zero, one, two, three, largest = (own(v) for v in (0, 1, 2, 3, 20))
+    depth_order = depth if depth_filter == "nearest" else -(one / depth)  # grows with depth
 
     def blur_size(signed):
         return min(abs(signed), largest)
@@ -52,13 +52,12 @@ def single_pass_at(x, y, color, depth, coc, depth_filter):
         dx, dy = math.cos(angle) * radius, math.sin(angle) * radius
         sample = bilinear(color, dx, dy)
         size = blur_size(read(coc, dx, dy))
-        if read(inverse, dx, dy) < inverse[y, x]:  # sampleDepth > centerDepth
+        if read(depth_order, dx, dy) > depth_order[y, x]:  # sampleDepth > centerDepth
             size = min(size, two * center_size)
-        t = min(max(size - own(radius - 0.5), one - one), one)
+        t = min(max(size - own(radius - 0.5), zero), one)
         m = t * (t * (three - two * t))
         total_color = total_color + (total_color / total * (one - m) + sample * m)
         total = total + one
         radius += 0.5 / radius
         angle += 2.39996323
-    assert half + half == one  # the whole loop ran in the image's own type
     return total_color / total

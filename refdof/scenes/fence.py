@@ -237,7 +237,7 @@ def _garden(rng: np.random.Generator) -> Iterator[Part]:
         x = rng.uniform(-5.5, 5.5, 34)
         x = x[np.abs(x + 0.6) > 0.9]
         place = np.column_stack([x, 0 * x, _WALL + rng.uniform(0.5, 1.25, len(x))])
-        heads.append(scatter(one, place, facing(rng.uniform(-70, 70, len(x)), 0 * x), rng.uniform(0.12, 0.2, len(x))))
+        heads.append(scatter(one, place, facing(rng.uniform(-70, 70, len(x)), 0 * x), rng.uniform(0.16, 0.24, len(x))))
     yield join([*bed, *heads]).part(Material())
     seat = [box(1.5, 0.04, 0.11).moved(0, 0.45, 0.13 * k) for k in range(3)] + [
         box(1.5, 0.1, 0.03).moved(0, 0.6 + 0.16 * k, -0.05) for k in range(2)

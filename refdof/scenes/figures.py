@@ -133,7 +133,7 @@ def _urn(rng: np.random.Generator) -> Mesh:
     for _ in range(4):
         cut = np.stack([0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]], axis=1).reshape(-1, 2)
         line = np.concatenate([line[:1], cut[1:-1], line[-1:]])
-    body = lathe([[(float(a), float(b)) for a, b in line]], 160)
+    body = lathe([[(float(a), float(b)) for a, b in line]], 128)
     x, y, z = body.vertices.T
     angle = np.arctan2(x, z)
     flute = smooth(0.30, 0.2, y) * smooth(0.09, 0.13, y)
@@ -167,13 +167,13 @@ def _urn(rng: np.random.Generator) -> Mesh:
 
 def _knot(rng: np.random.Generator) -> Mesh:
     """Trefoil knot, carved with a spiral."""
-    t = np.linspace(0, 2 * np.pi, 601)
+    t = np.linspace(0, 2 * np.pi, 421)
     t[-1] = 0.0
     ring = 0.22 * (1.0 + 0.42 * np.cos(3 * t))
     body = tube(
         np.column_stack([ring * np.cos(2 * t), 0.13 * np.sin(3 * t), ring * np.sin(2 * t)]),
         0.062,
-        48,
+        36,
         closed=True,
     )
     u, v = body.uv.T

@@ -53,7 +53,7 @@ def _street_lamps(houses: int) -> Lamps:
     place = np.concatenate(
         [np.column_stack([np.full(houses, s * 3.3), np.full(houses, 3.5), z - (s > 0) * 3.0]) for s in (-1, 1)]
     )
-    return Lamps(place, np.full(2 * houses, 0.06), np.tile([[95.0, 62.0, 26.0]], (2 * houses, 1)))
+    return Lamps(place, np.full(2 * houses, 0.085), np.tile([[48.0, 31.0, 13.0]], (2 * houses, 1)))
 
 
 def _garland(count: int, rng: np.random.Generator) -> Lamps:
@@ -64,10 +64,8 @@ def _garland(count: int, rng: np.random.Generator) -> Lamps:
         for s in (-1, 1)
     ]
     place = np.concatenate(wires) + rng.normal(0, 0.006, (2 * len(t), 3))
-    color = np.array(
-        [[62.0, 40.0, 17.0], [66.0, 18.0, 12.0], [20.0, 44.0, 20.0], [18.0, 32.0, 66.0], [64.0, 46.0, 14.0]]
-    )
-    return Lamps(place, np.full(len(place), 0.0031), color[np.arange(len(place)) % 5])
+    color = np.array([[27.0, 17.0, 7.5], [29.0, 8.0, 5.0], [9.0, 20.0, 9.0], [8.0, 14.0, 29.0], [28.0, 20.0, 6.0]])
+    return Lamps(place, np.full(len(place), 0.0047), color[np.arange(len(place)) % 5])
 
 
 def _across(rng: np.random.Generator) -> Lamps:
@@ -76,7 +74,7 @@ def _across(rng: np.random.Generator) -> Lamps:
     for k in range(2):
         t = np.linspace(-1, 1, 13)
         place.append(np.column_stack([4.3 * t, 4.6 - 0.9 * (1 - t**2) + 0.15 * k, np.full(13, -8.0 - 9.0 * k)]))
-        color.append(np.tile([[75.0, 52.0, 24.0]], (13, 1)))
+        color.append(np.tile([[27.0, 18.7, 8.6]], (13, 1)))
     spots = np.array(
         [
             (2.6, 2.5, -21.0),
@@ -92,13 +90,13 @@ def _across(rng: np.random.Generator) -> Lamps:
     color.append(
         np.array(
             [
-                (6, 80, 34),
-                (6, 80, 34),
-                (120, 12, 8),
-                (20, 50, 150),
-                (150, 20, 90),
-                (20, 120, 110),
-                (140, 60, 10),
+                (3, 37, 16),
+                (3, 37, 16),
+                (56, 6, 4),
+                (9, 23, 70),
+                (70, 9, 42),
+                (9, 56, 51),
+                (65, 28, 5),
             ],
             dtype=float,
         )
@@ -106,7 +104,7 @@ def _across(rng: np.random.Generator) -> Lamps:
     joined = np.concatenate(place)
     return Lamps(
         joined + rng.normal(0, 0.01, joined.shape),
-        np.where(joined[:, 1] > 3.2, 0.028, 0.042),
+        np.where(joined[:, 1] > 3.2, 0.047, 0.062),
         np.concatenate(color),
     )
 
@@ -141,8 +139,8 @@ def _cars() -> tuple[list[Part], Lamps]:
         for s in (-1, 1):
             lamp = (s * 0.56, 0.64, 2.06) if coming else (s * 0.58, 0.74, 2.09)
             glow.append((x + lamp[0], lamp[1], z + lamp[2]))
-            radius.append(0.06 if coming else 0.045)
-            radiance.append((180.0, 170.0, 150.0) if coming else (80.0, 6.0, 4.0))
+            radius.append(0.085 if coming else 0.064)
+            radiance.append((90.0, 85.0, 75.0) if coming else (40.0, 3.0, 2.0))
     parts.append(join(glass).part(Material("phong", (0.02, 0.025, 0.03), specular=(0.6, 0.6, 0.6))))
     parts.append(join(black).part(Material("lambert", (0.12, 0.12, 0.13))))
     return parts, Lamps(np.array(glow), np.array(radius), np.array(radiance))

@@ -176,5 +176,5 @@ def statue(pose: str, hem: float, cell: float, rng: np.random.Generator, mirrore
     face = soft_union(head((0, 1.64, 0.02), 1.0, sign * turn, nod), 0.011)
     torso, limbs = soft_union(np.array(_TORSO), 0.03), soft_union(figure(pose, mirrored), 0.03)
     body = sculpt(draped(limbs, torso, 1.02, hem, rng), (-0.95, -0.05, -0.5), (0.95, 2.05, 0.55), cell)
-    bust = sculpt(lambda p: np.maximum(face(p), 1.44 - p[:, 1]), (-0.16, 1.40, -0.16), (0.16, 1.84, 0.19), 0.44 * cell)
+    bust = sculpt(lambda p: np.maximum(face(p), 1.44 - p[:, 1]), (-0.16, 1.40, -0.16), (0.16, 1.84, 0.19), 0.33 * cell)
     return join([body, bust])
