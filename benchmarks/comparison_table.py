@@ -1,5 +1,7 @@
 """The figures of `benchmarks/reference.py` as Markdown."""
 
+from itertools import pairwise
+
 __all__ = ["print_report"]
 
 _BUSY = 0.85  # below this share of the threads' time others had the machine
@@ -51,7 +53,7 @@ def _print_integral(name: str, part: dict, threads: int) -> None:
         f"Long reference: RMSE {part['long_rmse']:.2g}, weight of refdof's part {part['long_weight_of_refdof']:.2f}; "
         f"the two long runs differ by {part['long_agreement']:.2f} of what their noise explains."
     )
-    falling = all(a["rmse"] > b["rmse"] for rows in part["rows"].values() for a, b in zip(rows, rows[1:], strict=False))
+    falling = all(a["rmse"] > b["rmse"] for rows in part["rows"].values() for a, b in pairwise(rows))
     print(f"Every renderer's RMSE keeps falling: {'yes' if falling else 'NO'}.")
     print(f"Mitsuba compiled for {part['mitsuba_compile_seconds']:.2f} s (not counted above).")
     runs = [r for rows in part["rows"].values() for r in rows]

@@ -77,10 +77,7 @@ def find_llvm() -> str | None:
     for pattern in _LLVM_FOLDERS:
         folders = Path("/").glob(pattern.lstrip("/"))
         paths += [
-            path
-            for folder in folders
-            for name in ("libLLVM*.so*", "libLLVM.dylib")
-            for path in folder.glob(name)
+            path for folder in folders for name in ("libLLVM*.so*", "libLLVM.dylib") for path in folder.glob(name)
         ]
 
     def version(path: Path) -> list[int]:
@@ -155,9 +152,7 @@ def render(peer: Peer, samples: int, seed: int) -> PeerPicture:
     start_wall, start_cpu = time.perf_counter(), time.process_time()
     image = np.array(peer.mitsuba.render(peer.scene, sensor=sensor, integrator=peer.integrator, seed=seed))
     cpu, wall = time.process_time() - start_cpu, time.perf_counter() - start_wall
-    compiling = (
-        sum(k.get("codegen_time", 0.0) + k.get("backend_time", 0.0) for k in drjit.kernel_history()) / 1000.0
-    )
+    compiling = sum(k.get("codegen_time", 0.0) + k.get("backend_time", 0.0) for k in drjit.kernel_history()) / 1000.0
     return PeerPicture(image, sensor.sampler().sample_count(), wall - compiling, cpu - compiling, compiling)
 
 
@@ -199,9 +194,7 @@ def _sensor(peer: Peer, samples: int) -> Any:
         },
         "sampler": {"type": peer.sampler, "sample_count": samples},
     }
-    return peer.mitsuba.load_dict(
-        {"type": "thinlens" if peer.pixel_filter == "box" else "centred_thinlens", **words}
-    )
+    return peer.mitsuba.load_dict({"type": "thinlens" if peer.pixel_filter == "box" else "centred_thinlens", **words})
 
 
 def _register(mitsuba: Any) -> None:
@@ -232,9 +225,7 @@ def _register(mitsuba: Any) -> None:
             return self.lens.sample_ray(time, wavelength, self._centred(position), aperture, active)
 
         def sample_ray_differential(self, time, wavelength, position, aperture, active=True):  # type: ignore[no-untyped-def]
-            return self.lens.sample_ray_differential(
-                time, wavelength, self._centred(position), aperture, active
-            )
+            return self.lens.sample_ray_differential(time, wavelength, self._centred(position), aperture, active)
 
     class FirstHit(mitsuba.SamplingIntegrator):
         """The vertex colour of the first surface on a ray, or the background's: the least that a ray can do."""

@@ -47,9 +47,10 @@ class Camera:
         object.__setattr__(self, "fov_y", as_number("fov_y", self.fov_y, above=0.0, maximum=179.0))
         object.__setattr__(self, "size", as_pair("size", self.size, minimum=1, maximum=_MAX_SIDE_PX))
         forward = np.subtract(self.target, self.eye)
-        if not np.linalg.norm(forward) > 0:
+        reach = np.abs(forward).max()
+        if not 0 < reach < np.inf:
             raise InputError(f"target: got {self.target}, the same point as eye; allowed is any other point")
-        if not np.linalg.norm(np.cross(forward, self.up)) > 0:
+        if not (np.cross(forward / reach, np.divide(self.up, max(np.abs(self.up).max(), 1e-300))) != 0).any():
             raise InputError(f"up: got {self.up}, parallel to the view; allowed is any other direction")
 
     @classmethod

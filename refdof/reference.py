@@ -15,10 +15,10 @@ References
 .. [3] Owen (1997), Scrambled Net Variance for Integrals of Smooth Functions, Annals of Statistics 25(4).
 """
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from refdof.opening import opening_of
 from refdof.owen import MAX_LOG2, block_of
 from refdof.raster.raycast import LANES, new_packets, new_query
 from refdof.scene import Scene
+from refdof.small_lights import first_samples
 from refdof.view import View
 
 __all__ = ["PIXEL_FILTERS", "Reference", "reference", "reference_of_view"]
@@ -93,7 +94,8 @@ def reference(
         0 .. 2^32 - 1. Another seed gives an independent picture.
     tolerance : float, optional
         Instead of `samples`: sample every pixel until the standard error of each channel v is below
-        tolerance * max(1, v).
+        tolerance * max(1, v), at most 2^14 points per replicate. Stopping early favours estimates that happen to
+        agree, so such a picture is biased by a fraction of the tolerance (0.5 % of a small bright lamp's light).
     pixel_filter : "centre" or "box"
         Sample pixels at their centres, as image-based methods do (no anti-aliasing), or over their area.
     shared_pattern : bool
@@ -141,7 +143,7 @@ def estimate(
     """`reference_of_view` without the lower limit on replicates."""
     seed = as_integer("seed", seed, minimum=0, maximum=2**32 - 1)
     box = as_choice("pixel_filter", pixel_filter, PIXEL_FILTERS) == "box"
-    start = time.perf_counter()
+    began = time.perf_counter()
     height, width = view.camera.height, view.camera.width
     result = Reference(
         np.zeros((height, width, 3), dtype=np.float32),
@@ -151,7 +153,7 @@ def estimate(
     )
     if view.lens.radius == 0.0 and not box:  # a pinhole: one ray is exact
         result.image[:] = view.pinhole().color
-        return _timed(result, start)
+        return _timed(result, began)
 
     surfaces, tracer, shot, opening = (
         view.surfaces(),
@@ -159,13 +161,17 @@ def estimate(
         view.shot(),
         opening_of(view.lens.aperture),
     )
-    points = _power_of_two(-(-samples // replicates)) if tolerance is None else _FIRST_POINTS
+    if tolerance is None:
+        first = np.full((height, width), _power_of_two(samples / replicates))
+    else:
+        wanted = _power_of_two(first_samples(view, tolerance) / replicates)
+        first = np.clip(wanted, _FIRST_POINTS, _MAX_POINTS)
 
-    def trace(pixels: Index, first: int, count: int) -> Float:
-        """Sums (R, N, 3) over points first .. first + count - 1 of every replicate."""
+    def trace(pixels: Index, start: int, count: int) -> Float:
+        """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
         sums = np.zeros((replicates, len(pixels), 3))
         packets, query = new_packets(-(-len(pixels) // LANES)), new_query(coherent=True)
-        block = block_of(first, count.bit_length() - 1)
+        block = block_of(start, count.bit_length() - 1)
         trace_block(
             surfaces, tracer.scene, tracer.packet, query, shot, opening, block,
             pixels, np.uint32(seed), shared_pattern, box, packets, sums,
@@ -175,36 +181,44 @@ def estimate(
     def tile(corner: tuple[int, int]) -> None:
         x, y = corner
         pixels = tile_order(x, y, min(x + _TILE, width), min(y + _TILE, height))
-        sums = trace(pixels, 0, points)
-        spent = np.full(len(pixels), points)
+        rows, columns = pixels[:, 1], pixels[:, 0]
+        sums, spent = np.zeros((replicates, len(pixels), 3)), first[rows, columns]
+        for count in np.unique(spent):
+            todo = np.flatnonzero(spent == count)
+            sums[:, todo] = trace(pixels[todo], 0, int(count))
+        mean, error = _summarise(sums, spent, pixels)
         while tolerance is not None:
-            todo = _unfinished(sums, spent, pixels, tolerance)
+            todo = _unfinished(mean, error, spent, pixels, tolerance)
             if not len(todo):
                 break
             have = int(spent[todo[0]])
             sums[:, todo] += trace(pixels[todo], have, have)
             spent[todo] += have
-        mean, error = _summarise(sums, spent)
-        rows, columns = pixels[:, 1], pixels[:, 0]
+            mean, error = _summarise(sums, spent, pixels)
         result.image[rows, columns] = mean
         result.standard_error[rows, columns] = error
         result.samples[rows, columns] = spent * replicates
 
     corners = [(x, y) for y in range(0, height, _TILE) for x in range(0, width, _TILE)]
     run_tasks(tile, corners, progress)
-    return _timed(result, start)
+    return _timed(result, began)
 
 
-def _timed(result: Reference, start: float) -> Reference:
-    return Reference(result.image, result.standard_error, result.samples, time.perf_counter() - start)
+def _timed(result: Reference, began: float) -> Reference:
+    return Reference(result.image, result.standard_error, result.samples, time.perf_counter() - began)
 
 
-def _power_of_two(count: int) -> int:
-    return 1 << max(0, math.ceil(math.log2(count)))
+def _power_of_two(count: Any) -> Any:
+    """The smallest power of two that is not below `count`, at least 1."""
+    return np.exp2(np.ceil(np.log2(np.maximum(count, 1)))).astype(np.int64)
 
 
-def _summarise(sums: Float, spent: Index) -> tuple[Float, Float]:
-    """Mean and its standard error, (N, 3) each, from the sums (R, N, 3) over `spent` (N,) points per replicate."""
+def _summarise(sums: Float, spent: Index, pixels: Index) -> tuple[Float, Float]:
+    """Mean and its standard error, (N, 3) each, from the sums (R, N, 3) over `spent` (N,) points per replicate.
+
+    Where all R estimates agree although the picture is blurred around, R M samples can have missed a share of 1 / (R M)
+    of what the neighbours see: the error bar is at least that share of the contrast around the pixel.
+    """
     estimates = sums / spent[None, :, None]
     count = len(estimates)
     if count == 1:
@@ -212,29 +226,27 @@ def _summarise(sums: Float, spent: Index) -> tuple[Float, Float]:
     # Deviations from the first estimate: equal estimates give an error of exactly 0.
     deviation = estimates - estimates[0]
     mean = deviation.mean(axis=0)
-    variance = ((deviation - mean) ** 2).sum(axis=0) / (count - 1)
-    return estimates[0] + mean, np.sqrt(variance / count)
+    error = np.sqrt(((deviation - mean) ** 2).sum(axis=0) / (count - 1) / count)
+    mean += estimates[0]
+    blurred = _around(error.max(axis=1) > 1e-12, pixels, 1, 0.0).max(axis=1) > 0.0
+    near = _around(mean, pixels, 1, np.nan)
+    contrast = np.nanmax(near, axis=1) - np.nanmin(near, axis=1)
+    return mean, np.maximum(error, np.where(blurred[:, None], contrast / (count * spent[:, None]), 0.0))
 
 
-def _unfinished(sums: Float, spent: Index, pixels: Index, tolerance: float) -> Index:
-    """Which pixels need twice the points: those above the tolerance, and their neighbours at the same stage.
-
-    A pixel whose few samples all missed a small bright thing looks finished; its neighbours tell. Where R M
-    samples were spent, a share of 1 / (R M) of the contrast around a pixel can have gone unseen.
-    """
-    mean, error = _summarise(sums, spent)
-    x, y = pixels[:, 0] - pixels[:, 0].min(), pixels[:, 1] - pixels[:, 1].min()
-    excess = np.full((y.max() + 5, x.max() + 5), 0.0)
-    value = np.full((y.max() + 5, x.max() + 5, 3), np.nan)
-    value[y + 2, x + 2] = mean
-    windows = np.lib.stride_tricks.sliding_window_view(value, (3, 3), axis=(0, 1))[1:-1, 1:-1]
-    contrast = np.nanmax(windows, axis=(3, 4))[y, x] - np.nanmin(windows, axis=(3, 4))[y, x]
-    unseen = np.where(error.max(axis=1, keepdims=True) > 0.0, contrast, 0.0) / (len(sums) * spent[:, None])
-    allowed = tolerance * np.maximum(1.0, np.abs(mean))
-    excess[y + 2, x + 2] = (np.maximum(error, unseen) / allowed).max(axis=1)
-    around = np.lib.stride_tricks.sliding_window_view(excess, (5, 5)).max(axis=(2, 3))[y, x]
-    open_pixels = (around > 1.0) & (spent < _MAX_POINTS)
-    if not open_pixels.any():
+def _unfinished(mean: Float, error: Float, spent: Index, pixels: Index, tolerance: float) -> Index:
+    """Which pixels need twice the points: those above the tolerance and their neighbours, the least sampled first."""
+    excess = (error / (tolerance * np.maximum(1.0, np.abs(mean)))).max(axis=1)
+    unfinished = (_around(excess, pixels, 2, 0.0).max(axis=1) > 1.0) & (spent < _MAX_POINTS)
+    if not unfinished.any():
         return np.zeros(0, dtype=np.int64)
-    stage = spent[open_pixels].min()
-    return np.flatnonzero(open_pixels & (spent == stage))
+    return np.flatnonzero(unfinished & (spent == spent[unfinished].min()))
+
+
+def _around(values: Float, pixels: Index, reach: int, outside: float) -> Float:
+    """Values (N, ...) of the (2 reach + 1)^2 pixels around each pixel of a tile: (N, that many, ...)."""
+    x, y = pixels[:, 0] - pixels[:, 0].min() + reach, pixels[:, 1] - pixels[:, 1].min() + reach
+    plane = np.full((y.max() + reach + 1, x.max() + reach + 1, *values.shape[1:]), outside)
+    plane[y, x] = values
+    steps = range(-reach, reach + 1)
+    return np.stack([plane[y + j, x + i] for j in steps for i in steps], axis=1)

@@ -1,6 +1,7 @@
 """Shot: camera and lens as plain numbers for kernels, in the unit of length of `Surfaces`."""
 
 import math
+import sys
 from typing import NamedTuple
 
 from refdof.camera import Camera
@@ -26,5 +27,5 @@ def shot_of(camera: Camera, lens: ThinLens, exponent: int) -> Shot:
         camera.height,
         camera.pixels_per_tangent,
         math.ldexp(lens.radius, -exponent),
-        1.0 / math.ldexp(lens.focus_distance, -exponent),
+        1.0 / max(math.ldexp(lens.focus_distance, -exponent), sys.float_info.min),
     )

@@ -41,8 +41,7 @@ def gltf(nodes, materials=({},), image=None, colors=None, **more):
         "scenes": [{"nodes": more.pop("roots", list(range(len(nodes))))}],
         "nodes": nodes,
         "meshes": [
-            {"primitives": [{"attributes": attributes, "indices": 2, "material": k}]}
-            for k in range(len(materials))
+            {"primitives": [{"attributes": attributes, "indices": 2, "material": k}]} for k in range(len(materials))
         ],
         "materials": list(materials),
         "accessors": [

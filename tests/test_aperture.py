@@ -33,9 +33,7 @@ def outline(blades, rotation, curvature, ratio=1.0):
         else:
             rise = np.zeros_like(across)
         x, y = math.cos(half) + rise, -across
-        points.append(
-            np.stack([x * math.cos(angle) - y * math.sin(angle), x * math.sin(angle) + y * math.cos(angle)])
-        )
+        points.append(np.stack([x * math.cos(angle) - y * math.sin(angle), x * math.sin(angle) + y * math.cos(angle)]))
     shape = Polygon(np.concatenate(points, axis=1).T)
     return affinity.scale(shape, min(1.0, ratio), min(1.0, 1.0 / ratio), origin=(0, 0))
 
@@ -124,17 +122,13 @@ def test_disc_is_uniform():
 @pytest.mark.parametrize("blades", [3, 4, 6, 64])
 def test_straight_blades_have_the_area_of_the_polygon(blades):
     closed_form = blades / 2.0 * math.sin(2.0 * math.pi / blades)
-    assert area(Aperture.polygon(blades, rotation=11.0).boundary) == pytest.approx(
-        closed_form, rel=1e-13
-    )  # roundings
+    assert area(Aperture.polygon(blades, rotation=11.0).boundary) == pytest.approx(closed_form, rel=1e-13)  # roundings
 
 
 @pytest.mark.parametrize("blades", [3, 4, 6, 64])
 def test_full_curvature_is_the_disc(blades):
     boundary = Aperture.polygon(blades, curvature=1.0).boundary
-    np.testing.assert_allclose(
-        np.hypot(*boundary.T), 1.0, atol=1e-12
-    )  # roundings, magnified by the arc's centre
+    np.testing.assert_allclose(np.hypot(*boundary.T), 1.0, atol=1e-12)  # roundings, magnified by the arc's centre
     # 64 chords per blade of 120 degrees at most: each loses theta^2 / 6 = (2 pi / 192)^2 / 6 < 2e-4.
     assert math.pi * (1 - 2e-4) < area(boundary) < math.pi
 
@@ -175,9 +169,7 @@ def test_anamorphic_discs_have_the_moments_of_an_ellipse(ratio, width, height):
     # Half-axes a and b: mean x^2 = a^2 / 4, mean y^2 = b^2 / 4. The midpoint rule is off by order 1 / 64^2.
     assert np.mean(x * x) == pytest.approx(width**2 / 4, rel=1e-3)
     assert np.mean(y * y) == pytest.approx(height**2 / 4, rel=1e-3)
-    np.testing.assert_allclose(
-        [x.mean(), y.mean(), np.mean(x * y)], 0.0, atol=1e-15 * 64
-    )  # mirrored pairs cancel
+    np.testing.assert_allclose([x.mean(), y.mean(), np.mean(x * y)], 0.0, atol=1e-15 * 64)  # mirrored pairs cancel
 
 
 def test_an_image_has_its_first_row_at_the_top():

@@ -20,9 +20,7 @@ def test_hand_numbers():
 
 
 def test_pixels_per_tangent():
-    assert Camera((0, 0, 0), (0, 0, -1), fov_y=90.0, size=(7, 100)).pixels_per_tangent == pytest.approx(
-        50.0, rel=1e-15
-    )
+    assert Camera((0, 0, 0), (0, 0, -1), fov_y=90.0, size=(7, 100)).pixels_per_tangent == pytest.approx(50.0, rel=1e-15)
     # 480 / (2 * 0.36397023): the tangent of 20 degrees is written out to eight digits.
     assert Camera((0, 0, 0), (0, 0, -1)).pixels_per_tangent == pytest.approx(659.39458, rel=1e-7)
 
@@ -76,9 +74,7 @@ def test_behind_the_eye_there_is_no_picture():
 coordinate = st.floats(-10, 10)
 
 
-@given(
-    eye=st.tuples(coordinate, coordinate, coordinate), target=st.tuples(coordinate, coordinate, coordinate)
-)
+@given(eye=st.tuples(coordinate, coordinate, coordinate), target=st.tuples(coordinate, coordinate, coordinate))
 @settings(max_examples=100, deadline=None)
 def test_axes_are_a_rotation_and_the_target_is_in_the_middle(eye, target):
     away = np.subtract(target, eye)

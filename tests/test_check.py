@@ -131,9 +131,7 @@ def test_as_pair_refuses(value):
 
 def test_as_choice_names_the_nearest():
     assert _check.as_choice("pattern", "sobol", ["sobol", "halton"]) == "sobol"
-    with pytest.raises(
-        InputError, match=r"^pattern: got 'sobl'; did you mean 'sobol'\? allowed are sobol, halton"
-    ):
+    with pytest.raises(InputError, match=r"^pattern: got 'sobl'; did you mean 'sobol'\? allowed are sobol, halton"):
         _check.as_choice("pattern", "sobl", ["sobol", "halton"])
     for value in ("zzz", None, 3, ["sobol"]):
         with pytest.raises(InputError, match=r"^pattern: got .* allowed are sobol, halton"):

@@ -90,9 +90,15 @@ def test_bad_input_from_a_shell():
         (["compare", "fence", "--set", "samples=3"], "set: got 'samples=3'; allowed are accumulation.KEY=VALUE"),
         (["compare", "fence", "--set", "accumulation.sample=3"], "did you mean 'samples'"),
         (["compare", "fence", "--set", "accumulation.samples=many"], "samples: got 'many'"),
-        (["compare", "fence", "--set", "singlepass.depth_filter=cubic"], "depth_filter: got 'cubic'; allowed are nearest"),
+        (
+            ["compare", "fence", "--set", "singlepass.depth_filter=cubic"],
+            "depth_filter: got 'cubic'; allowed are nearest",
+        ),
         (["render", "fence", "--method", "nothing", "-o", "a.png"], "method: got 'nothing'; allowed are"),
-        (["render", "fence", "--method", "singlepass", "-o", "a.jpg"], "output: got 'a.jpg'; allowed are names that end"),
+        (
+            ["render", "fence", "--method", "singlepass", "-o", "a.jpg"],
+            "output: got 'a.jpg'; allowed are names that end",
+        ),
         (["render", "fence", "--method", "singlepass", "--size", "20x15", "-o", "/proc/no/a.png"], "out"),
         (["render", "fence", "--method", "singlepass"], "Missing option"),
         (["rendr"], "No such command 'rendr'"),

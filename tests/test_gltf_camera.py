@@ -29,9 +29,7 @@ def test_the_files_camera_stands_where_its_nodes_say(tmp_path, kind):
     np.testing.assert_allclose(camera.eye, (40, 0, 0), atol=1e-12)
     np.testing.assert_allclose(camera.rotation, [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-12)
     # Ten times the quad, turned with its parent: (x, y, 0) -> (0, 10 y, -10 x).
-    np.testing.assert_allclose(
-        scene.vertices, [[0, 10 * y, -10 * x] for x, y, _ in QUAD.tolist()], atol=1e-12
-    )
+    np.testing.assert_allclose(scene.vertices, [[0, 10 * y, -10 * x] for x, y, _ in QUAD.tolist()], atol=1e-12)
 
 
 @pytest.mark.parametrize("perspective", [{}, {"yfov": 0.0}, {"yfov": "wide"}, None])

@@ -53,9 +53,7 @@ def test_slope_is_the_derivative(value):
     low, high = max(0.0, value - step), value + step
     # float32 display values, 6e-8 each, over a step of 1e-4 or 2e-4; the curve's third derivative at 0.01
     # adds 1e-3.
-    difference = (display(color(high, 0, 0)).astype(float) - display(color(low, 0, 0)))[0, 0, 0] / (
-        high - low
-    )
+    difference = (display(color(high, 0, 0)).astype(float) - display(color(low, 0, 0)))[0, 0, 0] / (high - low)
     assert display_slope(color(value, 0, 0))[0, 0, 0] == pytest.approx(difference, rel=1e-3, abs=2e-3)
 
 
@@ -94,9 +92,7 @@ def test_png_holds_the_display_image(tmp_path, image):
         assert (file.mode, file.size) == ("RGB", (5, 7))
         np.testing.assert_array_equal(np.asarray(file), to_8_bit(image))
     # Half a level of 255 in display values, times the decoding slope of at most 2.3.
-    np.testing.assert_allclose(
-        load_image(tmp_path / "image.png"), np.clip(image, 0, 1), rtol=0, atol=2.3 * 0.5 / 255
-    )
+    np.testing.assert_allclose(load_image(tmp_path / "image.png"), np.clip(image, 0, 1), rtol=0, atol=2.3 * 0.5 / 255)
 
 
 @pytest.mark.parametrize("name", ["image.jpg", "image", "image.exr.gz", ""])

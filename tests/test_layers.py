@@ -208,3 +208,29 @@ def test_more_surfaces_than_the_first_guess_of_memory():
     # Walls at z = 1, 2, ... in reverse order of their numbers; a rounding or two.
     np.testing.assert_allclose(layers.depth[:, 1, 1], 1.0 + np.arange(count), rtol=1e-15)
     np.testing.assert_array_equal(layers.triangle[:, 1, 1], np.arange(count)[::-1])
+
+
+@pytest.mark.parametrize("size", [8, 9, 16])
+def test_edges_and_corners_of_a_box_are_met_once_per_side(size):
+    # The diagonals of the box's faces, its edges and its corners run through pixel centres.
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    part = Part(np.asarray(box.vertices) - [0.0, 0.0, 2.0], np.asarray(box.faces), stage.paint((1, 1, 1)))
+    shot = stage.camera(size, size, 2.0 * size)
+    counts = np.isfinite(View(stage.scene_of([part], shot), shot, ThinLens(0.1, 1.0)).layers().depth).sum(axis=0)
+    tangent = np.abs(np.concatenate([t.ravel() for t in stage.tangents(size, size, 2.0 * size)]).reshape(2, -1)).max(
+        axis=0
+    )
+    inside = tangent.reshape(size, size) < 0.5 / 1.5 - 1e-9  # the box's front stands at depth 1.5
+    assert inside.any()
+    assert (counts[inside] == 2).all()
+    outside = tangent.reshape(size, size) > 0.5 / 1.5 + 1e-9
+    assert (counts[outside] == 0).all()
+
+
+def test_coplanar_duplicates_on_a_shared_edge_both_count():
+    # The common diagonal of both quads runs through pixel centres.
+    cards = [stage.rectangle(-1, 1, -1, 1, 2.0, color) for color in ((1, 0, 0), (0, 1, 0))]
+    shot = stage.camera(4, 4, 4.0)
+    layers = View(stage.scene_of(cards, shot), shot, ThinLens(0.1, 1.0)).layers()
+    assert (np.isfinite(layers.depth).sum(axis=0) == 2).all()
+    np.testing.assert_array_equal(layers.color[:, 1, 2], np.float32([[1, 0, 0], [0, 1, 0]]))

@@ -44,9 +44,7 @@ def test_glb_written_by_trimesh(tmp_path):
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.fromarray(TEXELS))
     visual = trimesh.visual.TextureVisuals(uv=UV_UP, material=material)
     quad = trimesh.Trimesh(QUAD, [[0, 1, 2], [0, 2, 3]], visual=visual, process=False)
-    assert_quad_is_textured(
-        load_mesh(write(tmp_path, "quad.glb", trimesh.Scene(quad).export(file_type="glb")))
-    )
+    assert_quad_is_textured(load_mesh(write(tmp_path, "quad.glb", trimesh.Scene(quad).export(file_type="glb"))))
 
 
 def test_obj_with_material_library(tmp_path):
@@ -89,9 +87,7 @@ def test_the_files_normals_turn_with_their_node(tmp_path):
     placed.add_geometry(mesh, transform=world)
     path = write(tmp_path, "n.glb", placed.export(file_type="glb", include_normals=True))
     # Normals turn by the inverse transpose: (0.3, 0, 0.8) / sqrt(0.73). Single precision of the file.
-    np.testing.assert_allclose(
-        load_mesh(path).normal, np.tile([0.3, 0, 0.8], (3, 1)) / np.sqrt(0.73), atol=1e-6
-    )
+    np.testing.assert_allclose(load_mesh(path).normal, np.tile([0.3, 0, 0.8], (3, 1)) / np.sqrt(0.73), atol=1e-6)
 
 
 def test_gltf_colours_are_linear(tmp_path):
@@ -133,13 +129,9 @@ def test_every_format_gives_the_same_box(tmp_path, suffix, options):
     box = trimesh.creation.box((2.0, 4.0, 6.0))
     scene = load_mesh(write(tmp_path, f"box.{suffix}", box.export(file_type=suffix, **options)))
     corner = scene.vertices[scene.faces]
-    area = (
-        np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
-    )
+    area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum() / 2
     assert area == 88.0  # 2 (8 + 12 + 24), exact in single precision
-    np.testing.assert_array_equal(
-        [scene.vertices.min(axis=0), scene.vertices.max(axis=0)], [[-1, -2, -3], [1, 2, 3]]
-    )
+    np.testing.assert_array_equal([scene.vertices.min(axis=0), scene.vertices.max(axis=0)], [[-1, -2, -3], [1, 2, 3]])
     assert scene.materials[0].base_color == (0.5, 0.5, 0.5) or suffix == "glb"
     if suffix not in ("glb", "obj"):  # these may carry normals of their own
         # No edge of a box is smooth: every normal lies along an axis, exactly.

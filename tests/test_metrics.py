@@ -49,9 +49,7 @@ def test_psnr_by_hand():
     expected = -20.0 * math.log10(12.92 * 0.0015654)
     assert metrics.psnr(constant(0.0), constant(0.0015654)) == pytest.approx(expected, abs=1e-5)
     # In 8 bits: 0.020224968 * 255 = 5.157 becomes 5. Exact up to rounding of float64.
-    assert metrics.psnr_8bit(constant(0.0), constant(0.0015654)) == pytest.approx(
-        20 * math.log10(255 / 5), rel=1e-14
-    )
+    assert metrics.psnr_8bit(constant(0.0), constant(0.0015654)) == pytest.approx(20 * math.log10(255 / 5), rel=1e-14)
 
 
 def test_psnr_and_rmse_agree_with_scikit_image(pair):
@@ -180,9 +178,7 @@ def test_two_independent_references_remove_their_noise():
     # gives.
     tolerance = 5.0 * math.sqrt((2 * bias**2 * sigma**2 + sigma**4) / truth.size)
     assert metrics.rmse(first, image, second) ** 2 == pytest.approx(bias**2, abs=tolerance)
-    assert metrics.rmse(first, image) ** 2 - bias**2 > sigma**2 - tolerance - 5.0 * sigma**2 * math.sqrt(
-        2 / truth.size
-    )
+    assert metrics.rmse(first, image) ** 2 - bias**2 > sigma**2 - tolerance - 5.0 * sigma**2 * math.sqrt(2 / truth.size)
 
 
 def test_two_independent_references_of_rel_mse():
@@ -221,9 +217,7 @@ def test_noise_floor_agrees_with_simulated_noise(value):
 
 def test_noise_floor_of_a_reference_without_visible_noise_is_infinite():
     assert metrics.noise_floor_psnr(constant(0.5), constant(0.0)) == math.inf
-    assert (
-        metrics.noise_floor_psnr(constant(9.0), constant(0.01)) == math.inf
-    )  # 800 standard errors above white
+    assert metrics.noise_floor_psnr(constant(9.0), constant(0.01)) == math.inf  # 800 standard errors above white
 
 
 def test_an_image_with_only_the_references_noise_scores_the_floor():
@@ -233,9 +227,7 @@ def test_an_image_with_only_the_references_noise_scores_the_floor():
     reference = truth + random.normal(0.0, 1.0, truth.shape) * error
     # Mean of 30000 squares: a relative standard error of sqrt(2 / 30000) = 0.8 %, five of them 0.18 dB; the
     # slopes vary with the noise by far less.
-    assert metrics.psnr(reference, truth) == pytest.approx(
-        metrics.noise_floor_psnr(reference, error), abs=0.18
-    )
+    assert metrics.psnr(reference, truth) == pytest.approx(metrics.noise_floor_psnr(reference, error), abs=0.18)
 
 
 @settings(max_examples=25, deadline=None)
@@ -243,9 +235,7 @@ def test_an_image_with_only_the_references_noise_scores_the_floor():
 def test_linear_errors_scale_with_exposure(seed, gain):
     first, second = np.random.default_rng(seed).uniform(0.0, 2.0, (2, 3, 4, 3))
     # One rounding in each product of float64 values.
-    assert metrics.rmse(gain * first, gain * second) == pytest.approx(
-        gain * metrics.rmse(first, second), rel=1e-12
-    )
+    assert metrics.rmse(gain * first, gain * second) == pytest.approx(gain * metrics.rmse(first, second), rel=1e-12)
     assert metrics.max_abs(gain * first, gain * second) == pytest.approx(
         gain * metrics.max_abs(first, second), rel=1e-12
     )

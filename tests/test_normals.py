@@ -23,9 +23,7 @@ def test_a_blunt_edge_is_rounded_and_a_sharp_one_is_not():
     half = math.radians(14.5)
     # Both sides meet the edge's ends with 90 degrees in all, so that the mean is half way. Roundings only.
     for vertex in (1, 2):
-        np.testing.assert_allclose(
-            normal[source == vertex], [[math.sin(half), 0, math.cos(half)]], atol=1e-15
-        )
+        np.testing.assert_allclose(normal[source == vertex], [[math.sin(half), 0, math.cos(half)]], atol=1e-15)
     vertices, faces = ridge(31.0)
     source, new, normal = smooth_normals(vertices, faces)
     assert sorted(source) == [0, 1, 1, 2, 2, 3, 4, 5]
@@ -41,9 +39,7 @@ def test_a_cube_keeps_its_faces_flat():
     np.testing.assert_array_equal(source[faces], cube.faces)
     corner = cube.vertices[cube.faces]
     flat = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    np.testing.assert_allclose(
-        normal[faces], np.repeat(flat[:, None], 3, axis=1), atol=1e-15
-    )  # area 1 exactly
+    np.testing.assert_allclose(normal[faces], np.repeat(flat[:, None], 3, axis=1), atol=1e-15)  # area 1 exactly
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])

@@ -26,9 +26,7 @@ def test_padded_planes_are_a_gather_with_clamped_indices(shape, margin):
 
 def test_padding_by_hand():
     planes = pad_planes(np.array([[1.0, 2.0], [3.0, 4.0]]), 1)
-    assert planes.tolist() == [
-        [[1.0, 1.0, 2.0, 2.0], [1.0, 1.0, 2.0, 2.0], [3.0, 3.0, 4.0, 4.0], [3.0, 3.0, 4.0, 4.0]]
-    ]
+    assert planes.tolist() == [[[1.0, 1.0, 2.0, 2.0], [1.0, 1.0, 2.0, 2.0], [3.0, 3.0, 4.0, 4.0], [3.0, 3.0, 4.0, 4.0]]]
 
 
 @pytest.mark.parametrize(
@@ -63,9 +61,7 @@ def test_a_tap_is_scipys_linear_interpolation():
         return plane[top : top + 6, left : left + 7]
 
     u, v = tap.weight_x, tap.weight_y
-    ours = (1 - v) * ((1 - u) * shifted(0, 0) + u * shifted(1, 0)) + v * (
-        (1 - u) * shifted(0, 1) + u * shifted(1, 1)
-    )
+    ours = (1 - v) * ((1 - u) * shifted(0, 0) + u * shifted(1, 0)) + v * ((1 - u) * shifted(0, 1) + u * shifted(1, 1))
     y, x = np.indices(image.shape)
     theirs = ndimage.map_coordinates(image, [y + dy, x + dx], order=1, mode="nearest")
     # Values below 1, about ten roundings each.

@@ -92,9 +92,7 @@ def test_every_file_of_one_scene(tmp_path):
         np.testing.assert_array_equal(load_image(tmp_path / "out" / f"{name}.npy"), image)
         with Image.open(tmp_path / "out" / f"{name}.png") as file:
             np.testing.assert_array_equal(np.asarray(file), to_8_bit(image))
-    assert (
-        strict_json((tmp_path / "out/table.json").read_text())["command"] == "refdof compare fence --seed 7"
-    )
+    assert strict_json((tmp_path / "out/table.json").read_text())["command"] == "refdof compare fence --seed 7"
 
 
 def test_csv_has_the_numbers_of_the_json(tmp_path):
@@ -141,9 +139,7 @@ def test_several_scenes_get_a_folder_each(tmp_path):
     assert len((tmp_path / "table.csv").read_text().splitlines()) == 1 + 3 * 2
     assert (tmp_path / "table.md").read_text() == markdown_table(scenes)
     links = [
-        source
-        for source in Page((tmp_path / "report.html").read_text()).sources
-        if not source.startswith("data:")
+        source for source in Page((tmp_path / "report.html").read_text()).sources if not source.startswith("data:")
     ]
     assert set(links) == {f"{name}/report.html" for name in folders}
 

@@ -111,9 +111,7 @@ def test_poisson_points_keep_their_distance(count):
     # The densest packing of `count` points has distance sqrt(2 pi / (sqrt(3) count)); darts keep 0.7 of it.
     largest = math.sqrt(2.0 * math.pi / (math.sqrt(3.0) * count))
     for seed in range(5):
-        assert pdist(lens_samples(count, "poisson", seed)[0]).min() >= 0.7 * largest * (
-            1 - 1e-12
-        )  # roundings
+        assert pdist(lens_samples(count, "poisson", seed)[0]).min() >= 0.7 * largest * (1 - 1e-12)  # roundings
 
 
 def test_poisson_spacing_of_the_2009_multiview_paper():

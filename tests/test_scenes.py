@@ -171,10 +171,12 @@ def test_branches_lie_on_both_sides_of_focus(made):
 
 def test_lights_shine_before_and_behind(made):
     scene = made("lights")
-    shining = scene.color.max(axis=1) > 18.0
-    peak = scene.color[shining].max(axis=1)
-    assert peak.min() > 18.0
+    peak = scene.color.max(axis=1)
+    shining = peak > 15.0
+    # Lamps of radiance 20 to 200, and nothing between them and lit windows: float32 may round 20 down.
+    assert peak[shining].min() >= 20.0 * (1 - 1e-6)
     assert peak.max() <= 200.0
+    assert shining.mean() < 0.1
     depth = -scene.camera.camera_from_world(scene.vertices[shining])[:, 2]
     blur = coc(scene, depth)
     assert (blur < -10.0).any()

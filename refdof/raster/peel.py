@@ -1,8 +1,10 @@
 """Exact layers: every surface that the ray through a pixel's centre meets, front to back.
 
 Embree reports each triangle along a ray once, in one traversal, without stepping; depth and barycentrics are then
-computed in float64. Surfaces are ordered by (depth, triangle id), so coplanar duplicates and shared edges, where
-two triangles meet a ray at the same depth, have one stated order.
+computed in float64. Surfaces are ordered by (depth, triangle id), so coplanar duplicates, where two triangles meet a
+ray at the same depth, have one stated order. A ray through an edge or a corner that triangles of one surface share
+meets that surface once: the lowest triangle id is kept. At a silhouette, front and back meet the ray in one point and
+both count.
 
 References
 ----------
@@ -25,6 +27,8 @@ __all__ = ["Layers", "count_surfaces", "peel"]
 
 _FIRST_CAPACITY = 256
 _ROWS_PER_TASK = 8
+_SAME_DEPTH = 1e-12  # relative: float64 roundings of one point's depth on two planes
+_ON_RIM = 1e-9  # barycentric: nearer to an edge than this, float32 and float64 may disagree on the side
 
 
 class Layers(NamedTuple):
@@ -113,7 +117,11 @@ def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, count
                 t, _, _ = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
                 if t > 0.0 and t < np.inf:
                     kept = _insert(depth, triangle, kept, t, face)
-            counts[y, x] = memory.context[3] if memory.context[3] > capacity else kept
+            if memory.context[3] > capacity:
+                counts[y, x] = memory.context[3]
+                continue
+            kept = _once_per_surface(surfaces.corner, depth, triangle, kept, dx, dy)
+            counts[y, x] = kept
             for k in range(min(kept, len(layers.depth))):
                 face = triangle[k]
                 _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
@@ -157,3 +165,44 @@ def _insert(depth, triangle, count, t, face):
         depth[i], triangle[i] = depth[i - 1], triangle[i - 1]
     depth[k], triangle[k] = t, face
     return count + 1
+
+
+@inline
+def _once_per_surface(corner, depth, triangle, count, dx, dy):
+    """Drop hits on an edge or corner that a kept hit of the same surface shares; returns the new count."""
+    kept = 0
+    for k in range(count):
+        again = False
+        for j in range(kept - 1, -1, -1):
+            if depth[k] - depth[j] > _SAME_DEPTH * depth[k]:
+                break
+            again = again or _share_point(corner, triangle[j], triangle[k], dx, dy)
+        if not again:
+            depth[kept], triangle[kept] = depth[k], triangle[k]
+            kept += 1
+    return kept
+
+
+@inline
+def _share_point(corner, a, b, dx, dy):
+    """Whether two triangles face the ray alike, share one or two corners, and the ray runs along their rims."""
+    _, ua, va = intersect(corner, a, 0.0, 0.0, 0.0, dx, dy, -1.0)
+    _, ub, vb = intersect(corner, b, 0.0, 0.0, 0.0, dx, dy, -1.0)
+    if min(ua, va, 1.0 - ua - va) > _ON_RIM or min(ub, vb, 1.0 - ub - vb) > _ON_RIM:
+        return False
+    shared = 0
+    for i in range(0, 9, 3):
+        for j in range(0, 9, 3):
+            same = corner[a, i] == corner[b, j] and corner[a, i + 1] == corner[b, j + 1]
+            if same and corner[a, i + 2] == corner[b, j + 2]:
+                shared += 1
+    return (shared == 1 or shared == 2) and _faces(corner, a, dx, dy) == _faces(corner, b, dx, dy)
+
+
+@inline
+def _faces(corner, face, dx, dy):
+    """Whether the ray (dx, dy, -1) meets the side from which the corners run clockwise."""
+    c = corner[face]
+    ex, ey, ez = c[3] - c[0], c[4] - c[1], c[5] - c[2]
+    fx, fy, fz = c[6] - c[0], c[7] - c[1], c[8] - c[2]
+    return (ey * fz - ez * fy) * dx + (ez * fx - ex * fz) * dy - (ex * fy - ey * fx) > 0.0

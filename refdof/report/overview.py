@@ -52,14 +52,7 @@ class _Layout:
 
     @property
     def band_height(self) -> int:
-        return (
-            _TITLE_PX
-            + 2 * self.picture[1]
-            + _CROP_GAP_PX
-            + self.zoom * self.crop[1]
-            + _LABEL_PX
-            + _BAND_GAP_PX
-        )
+        return _TITLE_PX + 2 * self.picture[1] + _CROP_GAP_PX + self.zoom * self.crop[1] + _LABEL_PX + _BAND_GAP_PX
 
     @property
     def size(self) -> tuple[int, int]:
@@ -129,9 +122,7 @@ def _cells(comparison: Comparison) -> list[_Cell]:
         psnr, ssim, flip = cells(row)[:3]
         image = display(row.image)
         error = _scaled(np.abs(image - reference))
-        shown.append(
-            _Cell(row.method, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error)
-        )
+        shown.append(_Cell(row.method, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error))
     return shown
 
 
@@ -181,9 +172,7 @@ def _draw_cell(figure: Figure, layout: _Layout, cell: _Cell, crops: Sequence[Box
     _draw_picture(figure, cell.error, crops, (x, y + _LABEL_PX, width, height))
 
 
-def _draw_picture(
-    figure: Figure, image: Float, crops: Sequence[Box], place: tuple[int, int, int, int]
-) -> None:
+def _draw_picture(figure: Figure, image: Float, crops: Sequence[Box], place: tuple[int, int, int, int]) -> None:
     axes = _axes(figure, place)
     smaller = place[2] < image.shape[1] or place[3] < image.shape[0]
     axes.imshow(image, interpolation="hanning" if smaller else "nearest", aspect="auto")
@@ -203,9 +192,7 @@ def _axes(figure: Figure, place: tuple[int, int, int, int]):
     return axes
 
 
-def _text(
-    figure: Figure, x: float, y: float, text: str, size: float, *, color=_INK, weight="normal", align="left"
-):
+def _text(figure: Figure, x: float, y: float, text: str, size: float, *, color=_INK, weight="normal", align="left"):
     """Text with its top left (or right) at pixel (x, y); `size` in pixels. A "$" is only a "$"."""
     full_width, full_height = figure.get_size_inches() * _DPI
     return figure.text(

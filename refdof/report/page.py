@@ -86,9 +86,7 @@ def _table(comparison: Comparison) -> dict[str, Any]:
 
 def _float16(image: Float) -> str:
     half = np.clip(image, -_FLOAT16_MAX, _FLOAT16_MAX).astype("<f2")
-    split = (
-        half.view(np.uint8).reshape(-1, 2).T
-    )  # low bytes first, then high bytes: those repeat and deflate well
+    split = half.view(np.uint8).reshape(-1, 2).T  # low bytes first, then high bytes: those repeat and deflate well
     return base64.b64encode(zlib.compress(split.tobytes(), 6)).decode("ascii")
 
 

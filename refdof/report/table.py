@@ -90,10 +90,7 @@ def _aligned(head: list[str], body: list[list[str]]) -> str:
     ends = (0, len(head) - 1)
 
     def line(texts: list[str]) -> str:
-        padded = [
-            t.ljust(w) if k in ends else t.rjust(w)
-            for k, (t, w) in enumerate(zip(texts, widths, strict=True))
-        ]
+        padded = [t.ljust(w) if k in ends else t.rjust(w) for k, (t, w) in enumerate(zip(texts, widths, strict=True))]
         return "| " + " | ".join(padded) + " |"
 
     rule = ["-" * w if k in ends else "-" * (w - 1) + ":" for k, w in enumerate(widths)]

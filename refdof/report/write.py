@@ -55,9 +55,7 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
     write_text(target / "report.html", report_page(comparison, command))
 
 
-def write_comparisons(
-    comparisons: Sequence[Comparison], folder: str | os.PathLike[str], command: str = ""
-) -> None:
+def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLike[str], command: str = "") -> None:
     """Write the reports of one or more scenes.
 
     One scene goes directly into `folder`. Several go into a folder each, named by the scene; above them
@@ -84,9 +82,7 @@ def write_comparisons(
 def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any) -> None:
     write_text(folder / "table.md", markdown_table(comparisons))
     write_text(folder / "table.csv", csv_table(comparisons))
-    write_text(
-        folder / "table.json", json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    )
+    write_text(folder / "table.json", json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
 
 
 def _images(comparison: Comparison) -> list[tuple[str, Float]]:

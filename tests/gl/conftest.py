@@ -1,0 +1,27 @@
+"""The OpenGL context that all tests here share. REFDOF_REQUIRE_GL=1 makes a missing one a failure."""
+
+import os
+
+import pytest
+
+from gl.shader import GLMissing, open_context
+
+_RENDERER = pytest.StashKey[str]()
+
+
+@pytest.fixture(scope="session")
+def context(pytestconfig):
+    try:
+        opened = open_context()
+    except GLMissing as missing:
+        if os.environ.get("REFDOF_REQUIRE_GL") == "1":
+            pytest.fail(f"REFDOF_REQUIRE_GL is set, but there is {missing}", pytrace=False)
+        pytest.skip(str(missing))
+    pytestconfig.stash[_RENDERER] = f"{opened.info['GL_RENDERER']}, OpenGL {opened.info['GL_VERSION']}"
+    yield opened
+    opened.release()
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if _RENDERER in config.stash:
+        terminalreporter.write_line(f"GL_RENDERER: {config.stash[_RENDERER]}")
