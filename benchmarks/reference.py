@@ -45,9 +45,14 @@ def main() -> None:
     parser.add_argument("--scene", default="figures", help="a built-in scene or a mesh file")
     parser.add_argument("--size", default="320x240", help="WIDTHxHEIGHT [px]")
     parser.add_argument("--long", type=int, default=4096, help="samples per pixel of refdof's long reference")
+    parser.add_argument("--most", type=int, default=max(SAMPLES), help="leave out runs of more samples, >= 256")
     parser.add_argument("--json", type=Path, help="also write every figure to this file")
     words = parser.parse_args()
     width, height = (int(side) for side in words.size.split("x"))
+
+    if words.most < GOAL_SAMPLES:
+        parser.error(f"--most: got {words.most}; allowed is at least {GOAL_SAMPLES}")
+    counts = [count for count in SAMPLES if count <= words.most]
 
     scene = plain(refdof.load_scene(words.scene))
     camera, lens = scene.camera.with_size((width, height)), scene.lens
@@ -69,7 +74,7 @@ def main() -> None:
         },
         "refdof_build_seconds": built,
         "embreex": embreex_peer.trace_rate(scene, camera, lens),
-        "integrals": {name: compare(mitsuba, view, name, words.long) for name in PIXEL_FILTERS},
+        "integrals": {name: compare(mitsuba, view, name, counts, words.long) for name in PIXEL_FILTERS},
     }
     report["targets"] = judge(report)
     print_report(report)
@@ -77,22 +82,22 @@ def main() -> None:
         words.json.write_text(json.dumps(report, indent=1))
 
 
-def compare(mitsuba, view: refdof.View, pixel_filter: str, long_samples: int) -> dict:
+def compare(mitsuba, view: refdof.View, pixel_filter: str, counts: list[int], long_samples: int) -> dict:
     """Every renderer's runs for one integral, and the time each needs for the common error."""
     runs = {
-        "refdof": [refdof_run(view, pixel_filter, n) for n in SAMPLES],
+        "refdof": [refdof_run(view, pixel_filter, n) for n in counts],
         "refdof, tolerance": [refdof_run(view, pixel_filter, tolerance=t) for t in TOLERANCES],
     }
     compiling = 0.0
     for sampler in ("independent", "multijitter"):
         peer = mitsuba_peer.new_peer(mitsuba, view.scene, view.camera, view.lens, sampler, pixel_filter)
-        pictures = [mitsuba_run(peer, n, seed=k) for k, n in enumerate(SAMPLES)]
+        pictures = [mitsuba_run(peer, n, seed=k) for k, n in enumerate(counts)]
         runs[f"Mitsuba {sampler}"] = [run for run, _ in pictures]
         compiling += sum(seconds for _, seconds in pictures)
 
     # The long reference: both renderers, with seeds of their own.
     ours = reference_of_view(view, long_samples, seed=LONG_SEED, pixel_filter=pixel_filter)
-    halves = [mitsuba_peer.render(peer, max(SAMPLES), seed).image.astype(np.float64) for seed in (101, 102)]
+    halves = [mitsuba_peer.render(peer, max(counts), seed).image.astype(np.float64) for seed in (101, 102)]
     theirs = (halves[0] + halves[1]) / 2.0
     long = combine(
         ours.image, float(np.mean(ours.standard_error.astype(np.float64) ** 2)),
@@ -101,7 +106,7 @@ def compare(mitsuba, view: refdof.View, pixel_filter: str, long_samples: int) ->
 
     pixels = view.camera.width * view.camera.height
     rows = {name: [row(run, rmse(run.image, long), pixels) for run in some] for name, some in runs.items()}
-    goal = rows["Mitsuba multijitter"][SAMPLES.index(GOAL_SAMPLES)]["rmse"]
+    goal = rows["Mitsuba multijitter"][counts.index(GOAL_SAMPLES)]["rmse"]
     return {
         "rows": rows,
         "goal_rmse": goal,

@@ -5,8 +5,10 @@
 3. time the shader, upload and read-back left out        `time_shader`
 4. print a Markdown table; the target is 8 times         `table`
 
-Both run on the same processor in turn, round by round, with as many threads as each takes by itself. Run it from the
-root of the repository: ``python benchmarks/singlepass.py --json out.json``.
+Both run on the same processor in turn, round by round, with as many threads as each takes by itself. The time to
+compile is what the first call takes longer than the others; a kernel that Numba finds in its cache is only loaded (an
+empty folder in REFDOF_CACHE_DIR makes it compile), and both filters share one kernel. Run it from the root of the
+repository: ``python benchmarks/singlepass.py --json out.json``.
 """
 
 import argparse

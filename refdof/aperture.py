@@ -1,7 +1,8 @@
 """Apertures: the shape of the opening inside the unit lens disc, and area-uniform points on it.
 
 The longest half-axis of every shape is the lens radius, so no point leaves the unit disc (save, for an image, the outer
-corners of texels on its rim) and circles of confusion bound every blur. A picture's brightness is an average over the opening: it does not change with the shape.
+corners of texels on its rim) and circles of confusion bound every blur. A picture's brightness is an average over the
+opening: it does not change with the shape.
 
 References
 ----------

@@ -1,11 +1,14 @@
 """Lens rays: generate, trace and shade every lens sample of a tile of pixels, fused, in bounded memory.
 
-For one replicate and one cell of the lens at a time:
+For 16 pixels and one cell of the lens at a time:
 
-1. every pixel of the tile draws its own point of that cell   `_square_points`, `_through_lens`
-2. the rays of 16 neighbouring pixels form a packet            `_fill_packets`
+1. every pixel draws its own point of that cell, once per replicate   `_square_points`, `_through_lens`
+2. 16 rays are a packet                                               `_fill_packets`
 3. Embree finds the triangle each ray meets first
-4. depth, barycentrics and colour follow in float64            `_gather`
+4. depth, barycentrics and colour follow in float64                   `_gather`
+
+A packet is fast if its rays meet the same triangles. The replicates of one pixel in one cell do; where there are fewer
+replicates than rays in a packet, so do neighbouring cells of neighbouring pixels. The layout changes no bit.
 
 A ray starts at the lens point (E vx, E vy, 0) and passes its pixel's point on the focal plane; its direction has
 z = -1, so that the ray parameter is the planar depth.
@@ -24,6 +27,7 @@ from refdof.surfaces import borrow_surfaces, intersect
 __all__ = ["tile_order", "trace_block"]
 
 _UNIT = 2.0**-32
+_MANY_CELLS = 64  # from here on, 4 pixels x 4 cells are traced faster than 16 pixels x 1 cell (measured)
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
 _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
@@ -41,48 +45,60 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
     """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2).
 
     seed: uint32. shared: one pattern for all pixels. box: sample the pixel's area, not its centre. packets
-    (K, ROWS, 16) float32, K = ceil(N / 16), is aligned working memory; query (32,) int32 is Embree's, aligned.
+    (K, ROWS, 16) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
     """
     lanes = len(packets) * LANES
+    group = min(sums.shape[0], LANES)
+    cells = 4 if group == 1 and len(block.cells) >= _MANY_CELLS else 1
+    chunk = lanes // (group * cells)
     rays = np.zeros((4, lanes))
-    tangents = np.zeros((2, lanes))
-    seeds = np.zeros((4, lanes), dtype=np.uint32)
-    column_of = np.zeros((1 << block.column_bits, lanes), dtype=np.uint32)
-    row_of = np.zeros((1 << block.row_bits, lanes), dtype=np.uint32)
+    tangents = np.zeros((2, chunk))
+    seeds = np.zeros((group, 4, chunk), dtype=np.uint32)
+    column_of = np.zeros((group, 1 << block.column_bits, chunk), dtype=np.uint32)
+    row_of = np.zeros((group, 1 << block.row_bits, chunk), dtype=np.uint32)
     work = (packets, query, rays, tangents, seeds, column_of, row_of)
-    _trace(surfaces, scene, packet, shot, opening, block, pixels, seed, shared, box, work, sums)
+    for first in range(0, len(pixels), chunk):
+        part, total = pixels[first : first + chunk], sums[:, first : first + chunk]
+        _trace(surfaces, scene, packet, shot, opening, block, part, cells, seed, shared, box, work, total)
 
 
 @tile_kernel
-def _trace(surfaces, scene, packet, shot, opening, block, pixels, seed, shared, box, work, sums):
-    """The loops of `trace_block`, on borrowed arrays."""
+def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, seed, shared, box, work, sums):
+    """The loops of `trace_block` for as many pixels as the working memory holds, on borrowed arrays."""
     surfaces, opening, block = borrow_surfaces(surfaces), borrow_opening(opening), borrow_block(block)
     packets, rays, tangents, seeds = borrow(work[0]), borrow(work[2]), borrow(work[3]), borrow(work[4])
     column_of, row_of, pixels, sums = borrow(work[5]), borrow(work[6]), borrow(pixels), borrow(sums)
     integers = borrow(work[0].view(np.int32))
     start, stride = work[0].ctypes.data, 4 * ROWS * LANES
     valid, arguments = work[1].ctypes.data, work[1].ctypes.data + 64
+    count = len(pixels)
     _fill_constants(shot, pixels, packets, integers, tangents)
-    for r in range(sums.shape[0]):
-        _start_replicate(pixels, shot.width, seed, r, shared, seeds, column_of, row_of)
-        for row in range(len(row_of)):
-            for column in range(len(column_of)):
-                _square_points(block, column_of[column], row_of[row], seeds, box, rays)
-                _through_lens(shot, opening, box, tangents, rays)
-                _fill_packets(rays, packets, integers)
-                for k in range(len(packets)):
-                    call_address(packet, valid, scene, start + k * stride, arguments)
-                _gather(surfaces, integers, rays, sums[r])
+    for replicate in range(0, len(sums), len(seeds)):
+        group = min(len(seeds), len(sums) - replicate)
+        slots = group * cells
+        used = (count * slots + LANES - 1) // LANES
+        for g in range(group):
+            _start_replicate(pixels, shot.width, seed, replicate + g, shared, seeds[g], column_of[g], row_of[g])
+        for first in range(0, len(block.cells), cells):
+            for slot in range(slots):
+                g, cell = slot // cells, first + slot % cells
+                column, row = block.cells[cell, 0], block.cells[cell, 1]
+                part = rays[:, slot * count : (slot + 1) * count]
+                _square_points(block, column_of[g, column], row_of[g, row], seeds[g], box, part)
+                _through_lens(shot, opening, box, tangents, part)
+            _fill_packets(rays, count, slots, used, packets, integers)
+            for k in range(used):
+                call_address(packet, valid, scene, start + k * stride, arguments)
+            _gather(surfaces, integers, rays, slots, cells, sums[replicate : replicate + group])
 
 
 @inline
 def _fill_constants(shot, pixels, packets, integers, tangents):
-    """Write what no sample changes; lanes beyond the last pixel repeat pixel 0."""
+    """Write what no sample changes."""
     scale = 1.0 / shot.pixels_per_tangent
-    for p in range(tangents.shape[1]):
-        q = p if p < len(pixels) else 0
-        tangents[0, p] = (pixels[q, 0] - 0.5 * shot.width) * scale
-        tangents[1, p] = (0.5 * shot.height - pixels[q, 1]) * scale
+    for p in range(len(pixels)):
+        tangents[0, p] = (pixels[p, 0] - 0.5 * shot.width) * scale
+        tangents[1, p] = (0.5 * shot.height - pixels[p, 1]) * scale
     for k in range(len(packets)):
         for lane in range(LANES):
             packets[k, _Z, lane] = 0.0
@@ -95,9 +111,8 @@ def _fill_constants(shot, pixels, packets, integers, tangents):
 @inline
 def _start_replicate(pixels, width, seed, replicate, shared, seeds, column_of, row_of):
     """Draw every pixel's scramble and note where it sends the columns and rows of lens cells."""
-    for p in range(seeds.shape[1]):
-        q = p if p < len(pixels) else 0
-        identity = 0 if shared else pixels[q, 1] * width + pixels[q, 0]
+    for p in range(len(pixels)):
+        identity = 0 if shared else pixels[p, 1] * width + pixels[p, 0]
         state = mix(mix(np.uint32(seed), np.uint32(replicate)), np.uint32(identity))
         for k in range(4):
             seeds[k, p] = mix(state, np.uint32(k))
@@ -145,11 +160,13 @@ def _through_lens(shot, opening, box, tangents, rays):
 
 
 @inline
-def _fill_packets(rays, packets, integers):
-    """Write origins and directions, and forget the last hits."""
-    for k in range(len(packets)):
+def _fill_packets(rays, count, slots, used, packets, integers):
+    """Write origins and directions, pixel after pixel, and forget the last hits; lanes left over repeat a ray."""
+    last = count * slots - 1
+    for k in range(used):
         for lane in range(LANES):
-            p = k * LANES + lane
+            entry = min(k * LANES + lane, last)
+            p = entry % slots * count + entry // slots
             packets[k, _X, lane] = rays[0, p]
             packets[k, _Y, lane] = rays[1, p]
             packets[k, _DX, lane] = rays[2, p]
@@ -159,18 +176,21 @@ def _fill_packets(rays, packets, integers):
 
 
 @inline
-def _gather(surfaces, integers, rays, sums):
-    """Add what every ray sees to sums (N, 3)."""
-    for p in range(len(sums)):
-        k, lane = p // LANES, p % LANES
-        if integers[k, _GEOM, lane] == -1:
-            for c in range(3):
-                sums[p, c] += surfaces.light[5, c]
-            continue
-        face = integers[k, _PRIM, lane]
-        ox, oy, dx, dy = rays[0, p], rays[1, p], rays[2, p], rays[3, p]
-        _, u, v = intersect(surfaces.corner, face, ox, oy, 0.0, dx, dy, -1.0)
-        red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
-        sums[p, 0] += red
-        sums[p, 1] += green
-        sums[p, 2] += blue
+def _gather(surfaces, integers, rays, slots, cells, sums):
+    """Add what every ray sees to sums (replicates, N, 3), cell after cell."""
+    count = sums.shape[1]
+    for p in range(count):
+        for slot in range(slots):
+            k, lane = (p * slots + slot) // LANES, (p * slots + slot) % LANES
+            g, source = slot // cells, slot * count + p
+            if integers[k, _GEOM, lane] == -1:
+                for c in range(3):
+                    sums[g, p, c] += surfaces.light[5, c]
+                continue
+            face = integers[k, _PRIM, lane]
+            ox, oy, dx, dy = rays[0, source], rays[1, source], rays[2, source], rays[3, source]
+            _, u, v = intersect(surfaces.corner, face, ox, oy, 0.0, dx, dy, -1.0)
+            red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
+            sums[g, p, 0] += red
+            sums[g, p, 1] += green
+            sums[g, p, 2] += blue

@@ -33,11 +33,13 @@ class Block(NamedTuple):
     """Points first .. first + 2^m - 1 of the sequence, with first a multiple of 2^m.
 
     `reversed_points` (4, 2^m) uint32; `point_of_cell` (2^m,) uint32: which point lies in cell
-    (row << column_bits) + column before scrambling, columns and rows with their bits reversed.
+    (row << column_bits) + column before scrambling, columns and rows with their bits reversed; `cells` (2^m, 2)
+    uint32: column and row of every cell, along a Z-curve over the square.
     """
 
     reversed_points: Index
     point_of_cell: Index
+    cells: Index
     column_bits: int
     row_bits: int
 
@@ -57,7 +59,18 @@ def block_of(first: int, log2_count: int) -> Block:
     row = backwards[1] & np.uint32((1 << row_bits) - 1)
     point_of_cell = np.zeros(count, dtype=np.uint32)
     point_of_cell[(row << np.uint32(column_bits)) + column] = np.arange(count, dtype=np.uint32)
-    return Block(backwards, point_of_cell, column_bits, row_bits)
+    return Block(backwards, point_of_cell, _z_curve(column_bits, row_bits), column_bits, row_bits)
+
+
+def _z_curve(column_bits: int, row_bits: int) -> Index:
+    """Columns and rows (2^m, 2), bits reversed, such that 4^k consecutive cells form a square."""
+    step = np.arange(1 << (column_bits + row_bits), dtype=np.uint32)
+    cells = np.zeros((len(step), 2), dtype=np.uint32)
+    for axis, bits in ((0, column_bits), (1, row_bits)):
+        for k in range(bits):
+            bit = (step >> np.uint32(2 * k + axis)) & np.uint32(1)
+            cells[:, axis] |= bit << np.uint32(bits - 1 - k)
+    return cells
 
 
 def _next(engine: qmc.Sobol, count: int) -> np.ndarray:
@@ -78,7 +91,7 @@ def _reverse_numpy(x: Index) -> Index:
 @inline
 def borrow_block(b):
     """`Block` whose arrays are borrowed, for a tile kernel's inner loops."""
-    return Block(borrow(b.reversed_points), borrow(b.point_of_cell), b.column_bits, b.row_bits)
+    return Block(borrow(b.reversed_points), borrow(b.point_of_cell), borrow(b.cells), b.column_bits, b.row_bits)
 
 
 @inline

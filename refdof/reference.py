@@ -30,7 +30,7 @@ from refdof.lens_rays import tile_order, trace_block
 from refdof.noise_floor import noise_floor_psnr
 from refdof.opening import opening_of
 from refdof.owen import MAX_LOG2, block_of
-from refdof.raster.raycast import LANES, new_packets, new_query
+from refdof.raster.raycast import new_packets, new_query
 from refdof.scene import Scene
 from refdof.small_lights import first_samples
 from refdof.view import View
@@ -39,6 +39,7 @@ __all__ = ["PIXEL_FILTERS", "Reference", "reference", "reference_of_view"]
 
 PIXEL_FILTERS = ("centre", "box")
 _TILE = 16  # px; the working set of a tile stays in the nearest caches
+_PACKETS = 16  # traced between generating and shading
 _FIRST_POINTS = 8  # per replicate, before the first look at the error
 _MAX_POINTS = 1 << 14  # per replicate, where a tolerance cannot be met
 
@@ -170,7 +171,7 @@ def estimate(
     def trace(pixels: Index, start: int, count: int) -> Float:
         """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
         sums = np.zeros((replicates, len(pixels), 3))
-        packets, query = new_packets(-(-len(pixels) // LANES)), new_query(coherent=True)
+        packets, query = new_packets(_PACKETS), new_query(coherent=True)
         block = block_of(start, count.bit_length() - 1)
         trace_block(
             surfaces, tracer.scene, tracer.packet, query, shot, opening, block,
@@ -184,7 +185,7 @@ def estimate(
         rows, columns = pixels[:, 1], pixels[:, 0]
         sums, spent = np.zeros((replicates, len(pixels), 3)), first[rows, columns]
         for count in np.unique(spent):
-            todo = np.flatnonzero(spent == count)
+            todo: Index = np.flatnonzero(spent == count)
             sums[:, todo] = trace(pixels[todo], 0, int(count))
         mean, error = _summarise(sums, spent, pixels)
         while tolerance is not None:
@@ -228,10 +229,12 @@ def _summarise(sums: Float, spent: Index, pixels: Index) -> tuple[Float, Float]:
     mean = deviation.mean(axis=0)
     error = np.sqrt(((deviation - mean) ** 2).sum(axis=0) / (count - 1) / count)
     mean += estimates[0]
-    blurred = _around(error.max(axis=1) > 1e-12, pixels, 1, 0.0).max(axis=1) > 0.0
-    near = _around(mean, pixels, 1, np.nan)
-    contrast = np.nanmax(near, axis=1) - np.nanmin(near, axis=1)
-    return mean, np.maximum(error, np.where(blurred[:, None], contrast / (count * spent[:, None]), 0.0))
+    agree = error.max(axis=1) < 1e-12  # roundings of equal estimates
+    unsure = np.flatnonzero(agree & (_around(~agree, pixels, 1, False).any(axis=1)))
+    if len(unsure):
+        near = _around(mean, pixels, 1, np.nan)[unsure]
+        error[unsure] = (np.nanmax(near, axis=1) - np.nanmin(near, axis=1)) / (count * spent[unsure, None])
+    return mean, error
 
 
 def _unfinished(mean: Float, error: Float, spent: Index, pixels: Index, tolerance: float) -> Index:

@@ -121,10 +121,10 @@ def _texel(texels, texture, s, t):
     first, width, height = texture[0], texture[1], texture[2]
     fx = (s - math.floor(s)) * width - 0.5
     fy = (1.0 - (t - math.floor(t))) * height - 0.5
-    i, j = math.floor(fx), math.floor(fy)
+    i, j = int(math.floor(fx)), int(math.floor(fy))  # -1 .. size - 1
     a, b = fx - i, fy - j
-    x0, y0 = int(i) % width, int(j) % height
-    x1, y1 = (x0 + 1) % width, (y0 + 1) % height
+    x0, y0 = (i if i >= 0 else width - 1), (j if j >= 0 else height - 1)
+    x1, y1 = (i + 1 if i + 1 < width else 0), (j + 1 if j + 1 < height else 0)
     p, q = first + y0 * width + x0, first + y0 * width + x1
     r, o = first + y1 * width + x0, first + y1 * width + x1
     wp, wq, wr, wo = (1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b

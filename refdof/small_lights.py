@@ -1,8 +1,8 @@
 """Small lights: how many lens samples a pixel needs before a small bright light can be called absent.
 
 A light that covers a share a of a pixel's lens is hit by N samples a N times. Few samples, or none of a whole
-neighbourhood, then say "no light" with an error bar of zero. So where the blurred picture of a light brighter than white
-falls, sampling starts with enough points to hit it several times.
+neighbourhood, then say "no light" with an error bar of zero. So where the blurred picture of a light brighter than
+white falls, sampling starts with enough points to hit it several times.
 """
 
 import math

@@ -8,8 +8,6 @@ from scipy import ndimage
 
 from refdof.raster.planar import pad_planes, tap_of
 
-pytestmark = pytest.mark.fast
-
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 4), (3, 1), (4, 5), (3, 4, 2), (2, 3, 3)])
 @pytest.mark.parametrize("margin", [0, 1, 7])

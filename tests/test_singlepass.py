@@ -44,7 +44,7 @@ def weights(size):
 
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("depth_filter", FILTERS)
-@pytest.mark.parametrize("size", [(1, 1), (1, 7), (7, 1), (9, 13)])
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (7, 1), (8, 11)])
 def test_every_bit_is_the_articles_loop(size, depth_filter, dtype):
     color, depth, coc = images(np.random.default_rng(size), *size, dtype)
     image = blur(color, depth, coc, Params(depth_filter))
@@ -59,7 +59,7 @@ def test_every_bit_of_some_pixels_of_a_larger_image(depth_filter, dtype):
     color, depth, coc = images(random, 30, 40, dtype)
     image = blur(color, depth, coc, Params(depth_filter))
     corners = [(0, 0), (39, 0), (0, 29), (39, 29)]
-    for x, y in corners + random.integers(0, (40, 30), (60, 2)).tolist():
+    for x, y in corners + random.integers(0, (40, 30), (40, 2)).tolist():
         assert np.array_equal(image[y, x], naive.single_pass_at(x, y, color, depth, coc, depth_filter))
 
 
@@ -71,7 +71,6 @@ def test_every_bit_where_all_is_background(depth_filter):
     assert np.array_equal(blur(color, depth, coc, Params(depth_filter)), expected)
 
 
-@pytest.mark.fast
 def test_the_spiral_by_hand():
     taps = spiral()
     assert taps.shape == (398, 3)
@@ -85,7 +84,6 @@ def test_the_spiral_by_hand():
     np.testing.assert_allclose(turned, 1.0, rtol=0, atol=397 * 5e-9)
 
 
-@pytest.mark.fast
 @pytest.mark.parametrize("radius", [3.0, 7.0, 12.0, 19.98])
 def test_one_tap_per_pi_square_pixels(radius):
     # r_k^2 = 1/4 + k + sum of 1 / (4 r_i^2): radius^2 taps, less a logarithm that is below 3 up to 20 px.
@@ -93,7 +91,6 @@ def test_one_tap_per_pi_square_pixels(radius):
     assert radius**2 - 3.0 < taps <= radius**2 + 1.0
 
 
-@pytest.mark.fast
 def test_the_spiral_added_up_in_single_precision():
     radius, angle, taps = np.float32(0.5), np.float32(0.0), []
     while radius < np.float32(20.0):
@@ -106,7 +103,6 @@ def test_the_spiral_added_up_in_single_precision():
     np.testing.assert_allclose(np.array(taps), spiral()[:, :2], rtol=0, atol=0.0007)
 
 
-@pytest.mark.fast
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("depth_filter", FILTERS)
 @pytest.mark.parametrize(
@@ -127,27 +123,29 @@ def test_small_circles_by_hand(size, right, depth_filter, sign):
     assert not image[0, 0].any()
 
 
-@pytest.mark.parametrize("size", [0.75, 3.3, 8.0, 19.75, 33.0])
+@pytest.mark.parametrize("size", [0.75, 3.3, 8.0, 33.0])
 def test_even_blur_is_the_weighted_mean_of_the_taps(size):
-    y, x = np.indices((45, 45)) - 22.0
+    reach = math.ceil(min(size, 20.0)) + 1
+    side = 2 * reach + 1
+    y, x = np.indices((side, side)) - float(reach)
     color = np.stack([x, y, x * y], axis=-1)  # bilinear interpolation is exact on these
-    image = blur(color, even(2.0, 45, 45), even(size, 45, 45))
+    image = blur(color, even(2.0, side, side), even(size, side, side))
     shares, _ = weights(min(size, 20.0))
     dx, dy, _ = spiral().T
     expected = [shares @ dx, shares @ dy, shares @ (dx * dy)]
     # Numbers up to 400 in 398 steps of a few roundings each.
-    np.testing.assert_allclose(image[22, 22], expected, rtol=0, atol=DEVIATION * 400 * 2.0**-53)
+    np.testing.assert_allclose(image[reach, reach], expected, rtol=0, atol=DEVIATION * 400 * 2.0**-53)
 
 
 def test_a_point_of_light_keeps_the_centres_share():
-    color = np.zeros((45, 45, 3))
-    color[22, 22] = 1.0
-    image = blur(color, even(2.0, 45, 45), even(6.0, 45, 45))
+    color = np.zeros((17, 17, 3))
+    color[8, 8] = 1.0
+    image = blur(color, even(2.0, 17, 17), even(6.0, 17, 17))
     shares, center = weights(6.0)
     dx, dy, _ = spiral().T
     tent = np.maximum(1.0 - np.abs(dx), 0.0) * np.maximum(1.0 - np.abs(dy), 0.0)  # bilinear weight of the middle
     # The result is at most 1: one rounding of it per operation.
-    np.testing.assert_allclose(image[22, 22], center + shares @ tent, rtol=0, atol=DEVIATION * 2.0**-53)
+    np.testing.assert_allclose(image[8, 8], center + shares @ tent, rtol=0, atol=DEVIATION * 2.0**-53)
 
 
 @pytest.mark.parametrize("dtype", TYPES)
@@ -168,7 +166,7 @@ def test_a_pinhole_changes_nothing_but_rounding(depth_filter, dtype):
     np.testing.assert_allclose(image, color, rtol=DEVIATION * np.finfo(dtype).eps / 2, atol=0)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(1, 9), st.integers(1, 9), st.sampled_from(FILTERS), st.integers(0, 10**6))
 def test_every_pixel_is_a_mean_of_its_neighbourhood(height, width, depth_filter, seed):
     color, depth, coc = images(np.random.default_rng(seed), height, width, np.float32)
@@ -180,12 +178,12 @@ def test_every_pixel_is_a_mean_of_its_neighbourhood(height, width, depth_filter,
 
 
 def two_halves(near_coc, far_coc, far_depth=4.0):
-    """A black half at depth 1 and a white one behind it: row 21 of 43 after the blur; the edge is at x = 30."""
+    """One row after the blur: black at depth 1, and from x = 30 on white behind it. Above and below are the same."""
     near = np.arange(60) < 30
-    color = np.broadcast_to(np.where(near, 0.0, 1.0)[None, :, None], (43, 60, 3))
-    depth = np.broadcast_to(np.where(near, 1.0, far_depth), (43, 60))
-    coc = np.broadcast_to(np.where(near, near_coc, far_coc), (43, 60))
-    return blur(color, depth, coc)[21, :, 0]
+    color = np.broadcast_to(np.where(near, 0.0, 1.0)[None, :, None], (1, 60, 3))
+    depth = np.broadcast_to(np.where(near, 1.0, far_depth), (1, 60))
+    coc = np.broadcast_to(np.where(near, near_coc, far_coc), (1, 60))
+    return blur(color, depth, coc)[0, :, 0]
 
 
 def test_background_does_not_leak_onto_a_sharp_foreground():
@@ -208,7 +206,6 @@ def test_only_what_lies_behind_is_held_back():
     np.testing.assert_array_equal(level, in_front)
 
 
-@pytest.mark.fast
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -235,7 +232,6 @@ def test_bad_images_are_named(change, words):
         blur(**{**good, **change})
 
 
-@pytest.mark.fast
 def test_a_bad_filter_is_named():
     with pytest.raises(InputError, match=r"depth_filter: got 'linear'; .*allowed are nearest, bilinear"):
         Params("linear")
