@@ -2,7 +2,7 @@
 
 For 16 pixels and one cell of the lens at a time:
 
-1. every pixel draws its own point of that cell, once per replicate   `_square_points`, `_through_lens`
+1. every pixel draws its own point of that cell, once per replicate   `_square_points`, `_on_lens`, `_towards_focus`
 2. 16 rays are a packet                                               `_fill_packets`
 3. Embree finds the triangle each ray meets first
 4. depth, barycentrics and colour follow in float64                   `_gather`
@@ -18,7 +18,8 @@ import numpy as np
 
 from refdof._check import Index
 from refdof._jit import borrow, call_address, inline, tile_kernel
-from refdof.opening import borrow_opening, lens_point
+from refdof.aperture import concentric_disc
+from refdof.opening import borrow_opening, is_plain_disc, lens_point
 from refdof.owen import borrow_block, mix, reverse_bits, scramble
 from refdof.raster.raycast import LANES, ROWS, Row
 from refdof.shading import shade
@@ -27,7 +28,7 @@ from refdof.surfaces import borrow_surfaces, intersect
 __all__ = ["tile_order", "trace_block"]
 
 _UNIT = 2.0**-32
-_MANY_CELLS = 64  # from here on, 4 pixels x 4 cells are traced faster than 16 pixels x 1 cell (measured)
+_MANY_CELLS, _CELLS = 64, 4  # from 64 cells on, 4 pixels x 4 cells are traced faster than 16 x 1 (measured)
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
 _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
@@ -47,58 +48,85 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
     seed: uint32. shared: one pattern for all pixels. box: sample the pixel's area, not its centre. packets
     (K, ROWS, 16) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
     """
-    lanes = len(packets) * LANES
     group = min(sums.shape[0], LANES)
-    cells = 4 if group == 1 and len(block.cells) >= _MANY_CELLS else 1
-    chunk = lanes // (group * cells)
-    rays = np.zeros((4, lanes))
-    tangents = np.zeros((2, chunk))
-    seeds = np.zeros((group, 4, chunk), dtype=np.uint32)
-    column_of = np.zeros((group, 1 << block.column_bits, chunk), dtype=np.uint32)
-    row_of = np.zeros((group, 1 << block.row_bits, chunk), dtype=np.uint32)
-    work = (packets, query, rays, tangents, seeds, column_of, row_of)
+    cells = _CELLS if group == 1 and len(block.cells) >= _MANY_CELLS else 1
+    strands = len(packets) * LANES // cells
+    rays = np.zeros((4, strands * cells))
+    tangents = np.zeros((2, strands))
+    seeds = np.zeros((4, strands), dtype=np.uint32)
+    column_of = np.zeros((1 << block.column_bits, strands), dtype=np.uint32)
+    row_of = np.zeros((1 << block.row_bits, strands), dtype=np.uint32)
+    totals = np.zeros((strands, 3))
+    work = (packets, query, rays, tangents, seeds, column_of, row_of, totals)
+    chunk = strands // group
     for first in range(0, len(pixels), chunk):
-        part, total = pixels[first : first + chunk], sums[:, first : first + chunk]
-        _trace(surfaces, scene, packet, shot, opening, block, part, cells, seed, shared, box, work, total)
+        for replicate in range(0, len(sums), group):
+            part = pixels[first : first + chunk]
+            total = sums[replicate : replicate + group, first : first + chunk]
+            start = (np.uint32(seed), replicate, shared)
+            _trace(surfaces, scene, packet, shot, opening, block, part, cells, start, box, work, total)
 
 
 @tile_kernel
-def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, seed, shared, box, work, sums):
-    """The loops of `trace_block` for as many pixels as the working memory holds, on borrowed arrays."""
+def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, start, box, work, sums):
+    """Trace one block for sums (G, N, 3), as many pixels and replicates as the working memory holds.
+
+    A strand is one pixel in one replicate; strand p G + g.
+    """
     surfaces, opening, block = borrow_surfaces(surfaces), borrow_opening(opening), borrow_block(block)
-    packets, rays, tangents, seeds = borrow(work[0]), borrow(work[2]), borrow(work[3]), borrow(work[4])
-    column_of, row_of, pixels, sums = borrow(work[5]), borrow(work[6]), borrow(pixels), borrow(sums)
-    integers = borrow(work[0].view(np.int32))
-    start, stride = work[0].ctypes.data, 4 * ROWS * LANES
+    packets, integers, pixels = borrow(work[0]), borrow(work[0].view(np.int32)), borrow(pixels)
+    first_packet, stride = work[0].ctypes.data, 4 * ROWS * LANES
     valid, arguments = work[1].ctypes.data, work[1].ctypes.data + 64
-    count = len(pixels)
-    _fill_constants(shot, pixels, packets, integers, tangents)
-    for replicate in range(0, len(sums), len(seeds)):
-        group = min(len(seeds), len(sums) - replicate)
-        slots = group * cells
-        used = (count * slots + LANES - 1) // LANES
+    group, strands = sums.shape[0], sums.shape[0] * sums.shape[1]
+    rays, tangents, seeds = borrow(work[2]), borrow(work[3]), borrow(work[4])
+    column_of, row_of, totals = borrow(work[5]), borrow(work[6]), borrow(work[7])[:strands]
+    used = (strands * cells + LANES - 1) // LANES
+    totals[:] = 0.0
+    _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of)
+    _fill_constants(packets, integers)
+    for first in range(0, len(block.cells), cells):
+        for k in range(cells):
+            column, row = block.cells[first + k, 0], block.cells[first + k, 1]
+            begin, end = k * strands, (k + 1) * strands
+            x, y, dx, dy = rays[0, begin:end], rays[1, begin:end], rays[2, begin:end], rays[3, begin:end]
+            _square_points(block, 0, column_of[column], row_of[row], seeds[0], seeds[1], x, y)
+            if box:
+                _square_points(block, 2, column_of[column], row_of[row], seeds[2], seeds[3], dx, dy)
+            else:
+                dx[:], dy[:] = 0.5, 0.5
+            _on_lens(opening, x, y)
+            _towards_focus(shot, tangents[0], tangents[1], x, y, dx, dy)
+        _fill_packets(rays, strands, cells, used, packets, integers)
+        for k in range(used):
+            call_address(packet, valid, scene, first_packet + k * stride, arguments)
+        _gather(surfaces, integers, rays, cells, totals)
+    for p in range(len(pixels)):
         for g in range(group):
-            _start_replicate(pixels, shot.width, seed, replicate + g, shared, seeds[g], column_of[g], row_of[g])
-        for first in range(0, len(block.cells), cells):
-            for slot in range(slots):
-                g, cell = slot // cells, first + slot % cells
-                column, row = block.cells[cell, 0], block.cells[cell, 1]
-                part = rays[:, slot * count : (slot + 1) * count]
-                _square_points(block, column_of[g, column], row_of[g, row], seeds[g], box, part)
-                _through_lens(shot, opening, box, tangents, part)
-            _fill_packets(rays, count, slots, used, packets, integers)
-            for k in range(used):
-                call_address(packet, valid, scene, start + k * stride, arguments)
-            _gather(surfaces, integers, rays, slots, cells, sums[replicate : replicate + group])
+            for c in range(3):
+                sums[g, p, c] += totals[p * group + g, c]
 
 
 @inline
-def _fill_constants(shot, pixels, packets, integers, tangents):
-    """Write what no sample changes."""
+def _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of):
+    """Draw every strand's scramble and note where it sends the columns and rows of lens cells."""
+    seed, replicate, shared = start
     scale = 1.0 / shot.pixels_per_tangent
     for p in range(len(pixels)):
-        tangents[0, p] = (pixels[p, 0] - 0.5 * shot.width) * scale
-        tangents[1, p] = (0.5 * shot.height - pixels[p, 1]) * scale
+        identity = 0 if shared else pixels[p, 1] * shot.width + pixels[p, 0]
+        for g in range(group):
+            s = p * group + g
+            tangents[0, s] = (pixels[p, 0] - 0.5 * shot.width) * scale
+            tangents[1, s] = (0.5 * shot.height - pixels[p, 1]) * scale
+            state = mix(mix(seed, np.uint32(replicate + g)), np.uint32(identity))
+            for k in range(4):
+                seeds[k, s] = mix(state, np.uint32(k))
+            _invert_cells(column_of, s, seeds[0, s])
+            _invert_cells(row_of, s, seeds[1, s])
+
+
+@inline
+def _fill_constants(packets, integers):
+    """Write what no sample changes."""
     for k in range(len(packets)):
         for lane in range(LANES):
             packets[k, _Z, lane] = 0.0
@@ -106,18 +134,6 @@ def _fill_constants(shot, pixels, packets, integers, tangents):
             packets[k, _DZ, lane] = -1.0
             integers[k, _MASK, lane] = -1
             integers[k, _INST, lane] = -1
-
-
-@inline
-def _start_replicate(pixels, width, seed, replicate, shared, seeds, column_of, row_of):
-    """Draw every pixel's scramble and note where it sends the columns and rows of lens cells."""
-    for p in range(len(pixels)):
-        identity = 0 if shared else pixels[p, 1] * width + pixels[p, 0]
-        state = mix(mix(np.uint32(seed), np.uint32(replicate)), np.uint32(identity))
-        for k in range(4):
-            seeds[k, p] = mix(state, np.uint32(k))
-        _invert_cells(column_of, p, seeds[0, p])
-        _invert_cells(row_of, p, seeds[1, p])
 
 
 @inline
@@ -129,68 +145,73 @@ def _invert_cells(inverse, p, seed):
 
 
 @inline
-def _square_points(block, columns, rows, seeds, box, rays):
-    """rays (4, N): every pixel's point of this cell of the unit square, then its place inside the pixel."""
+def _square_points(block, axis, columns, rows, seeds_x, seeds_y, x, y):
+    """Every strand's point (x, y) of a cell of the unit square; axes `axis` and `axis` + 1 of the sequence."""
     shift = np.uint32(block.column_bits)
-    for p in range(rays.shape[1]):
-        point = block.point_of_cell[np.uint32(rows[p] << shift) + columns[p]]
-        u = reverse_bits(scramble(block.reversed_points[0, point], seeds[0, p]))
-        v = reverse_bits(scramble(block.reversed_points[1, point], seeds[1, p]))
-        rays[0, p] = (np.float64(u) + 0.5) * _UNIT
-        rays[1, p] = (np.float64(v) + 0.5) * _UNIT
-        if box:
-            i = reverse_bits(scramble(block.reversed_points[2, point], seeds[2, p]))
-            j = reverse_bits(scramble(block.reversed_points[3, point], seeds[3, p]))
-            rays[2, p] = (np.float64(i) + 0.5) * _UNIT
-            rays[3, p] = (np.float64(j) + 0.5) * _UNIT
+    for s in range(len(x)):
+        point = block.point_of_cell[np.uint32(rows[s] << shift) + columns[s]]
+        u = reverse_bits(scramble(block.reversed_points[axis, point], seeds_x[s]))
+        v = reverse_bits(scramble(block.reversed_points[axis + 1, point], seeds_y[s]))
+        x[s] = (np.float64(u) + 0.5) * _UNIT
+        y[s] = (np.float64(v) + 0.5) * _UNIT
 
 
 @inline
-def _through_lens(shot, opening, box, tangents, rays):
-    """Turn rays (4, N) from square points into origin x, y and direction x, y."""
-    scale = 1.0 / shot.pixels_per_tangent
-    for p in range(rays.shape[1]):
-        x, y = lens_point(opening, rays[0, p], rays[1, p])
-        right = rays[2, p] if box else 0.5
-        down = rays[3, p] if box else 0.5
-        rays[0, p] = x * shot.lens_radius
-        rays[1, p] = y * shot.lens_radius
-        rays[2, p] = tangents[0, p] + right * scale - rays[0, p] * shot.inverse_focus
-        rays[3, p] = tangents[1, p] - down * scale - rays[1, p] * shot.inverse_focus
+def _on_lens(opening, x, y):
+    """Turn square points into lens points, in units of the radius, in place."""
+    if is_plain_disc(opening):
+        for s in range(len(x)):
+            x[s], y[s] = concentric_disc(x[s], y[s])
+    else:
+        for s in range(len(x)):
+            x[s], y[s] = lens_point(opening, x[s], y[s])
 
 
 @inline
-def _fill_packets(rays, count, slots, used, packets, integers):
-    """Write origins and directions, pixel after pixel, and forget the last hits; lanes left over repeat a ray."""
-    last = count * slots - 1
+def _towards_focus(shot, right, up, x, y, dx, dy):
+    """Turn lens points and places in the pixel into origins and directions, in place."""
+    scale, radius, focus = 1.0 / shot.pixels_per_tangent, shot.lens_radius, shot.inverse_focus
+    for s in range(len(x)):
+        x[s] *= radius
+        dx[s] = right[s] + dx[s] * scale - x[s] * focus
+    for s in range(len(y)):
+        y[s] *= radius
+        dy[s] = up[s] - dy[s] * scale - y[s] * focus
+
+
+@inline
+def _fill_packets(rays, strands, cells, used, packets, integers):
+    """Write origins and directions, a strand's cells side by side, and forget the last hits.
+
+    Lanes left over repeat a ray.
+    """
+    last = strands * cells - 1
     for k in range(used):
         for lane in range(LANES):
             entry = min(k * LANES + lane, last)
-            p = entry % slots * count + entry // slots
-            packets[k, _X, lane] = rays[0, p]
-            packets[k, _Y, lane] = rays[1, p]
-            packets[k, _DX, lane] = rays[2, p]
-            packets[k, _DY, lane] = rays[3, p]
+            source = entry if cells == 1 else entry % _CELLS * strands + entry // _CELLS
+            packets[k, _X, lane] = rays[0, source]
+            packets[k, _Y, lane] = rays[1, source]
+            packets[k, _DX, lane] = rays[2, source]
+            packets[k, _DY, lane] = rays[3, source]
             packets[k, _FAR, lane] = np.inf
             integers[k, _GEOM, lane] = -1
 
 
 @inline
-def _gather(surfaces, integers, rays, slots, cells, sums):
-    """Add what every ray sees to sums (replicates, N, 3), cell after cell."""
-    count = sums.shape[1]
-    for p in range(count):
-        for slot in range(slots):
-            k, lane = (p * slots + slot) // LANES, (p * slots + slot) % LANES
-            g, source = slot // cells, slot * count + p
+def _gather(surfaces, integers, rays, cells, totals):
+    """Add what every ray sees to totals (strands, 3), cell after cell."""
+    strands = len(totals)
+    for s in range(strands):
+        red, green, blue = totals[s, 0], totals[s, 1], totals[s, 2]
+        for c in range(cells):
+            k, lane, source = (s * cells + c) // LANES, (s * cells + c) % LANES, c * strands + s
             if integers[k, _GEOM, lane] == -1:
-                for c in range(3):
-                    sums[g, p, c] += surfaces.light[5, c]
-                continue
-            face = integers[k, _PRIM, lane]
-            ox, oy, dx, dy = rays[0, source], rays[1, source], rays[2, source], rays[3, source]
-            _, u, v = intersect(surfaces.corner, face, ox, oy, 0.0, dx, dy, -1.0)
-            red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
-            sums[g, p, 0] += red
-            sums[g, p, 1] += green
-            sums[g, p, 2] += blue
+                r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
+            else:
+                face = integers[k, _PRIM, lane]
+                ox, oy, dx, dy = rays[0, source], rays[1, source], rays[2, source], rays[3, source]
+                _, u, v = intersect(surfaces.corner, face, ox, oy, 0.0, dx, dy, -1.0)
+                r, g, b = shade(surfaces, face, u, v, dx, dy, -1.0)
+            red, green, blue = red + r, green + g, blue + b
+        totals[s, 0], totals[s, 1], totals[s, 2] = red, green, blue

@@ -121,7 +121,7 @@ def _texel(texels, texture, s, t):
     first, width, height = texture[0], texture[1], texture[2]
     fx = (s - math.floor(s)) * width - 0.5
     fy = (1.0 - (t - math.floor(t))) * height - 0.5
-    i, j = int(math.floor(fx)), int(math.floor(fy))  # -1 .. size - 1
+    i, j = math.floor(fx), math.floor(fy)  # -1 .. size - 1
     a, b = fx - i, fy - j
     x0, y0 = (i if i >= 0 else width - 1), (j if j >= 0 else height - 1)
     x1, y1 = (i + 1 if i + 1 < width else 0), (j + 1 if j + 1 < height else 0)

@@ -9,6 +9,7 @@ import stage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import refdof
 from refdof import InputError, ThinLens, View
 from refdof.methods import singlepass
 from refdof.methods.singlepass import Params, blur, spiral
@@ -255,3 +256,31 @@ def test_rendering_blurs_the_pinhole_and_shows_its_stages():
     assert image.dtype == np.float32
     # 1e-5: slope 1.5 of smoothstep times a size that is 1e-6 px off, and single precision's roundings.
     np.testing.assert_allclose(image, blur(color, depth, coc), rtol=0, atol=1e-5)
+
+
+def test_depths_one_rounding_apart_keep_their_order():
+    color = np.random.default_rng(0).random((5, 5, 3), dtype=np.float32)
+    depth = np.full((5, 5), 1.9, dtype=np.float32)
+    depth[2, 2] = np.nextafter(depth[2, 2], np.float32(0))  # 1 / depth is the same number
+    coc = np.full((5, 5), 10, dtype=np.float32)
+    coc[2, 2] = 0
+    out = blur(color, depth, coc, Params())
+    np.testing.assert_allclose(out[2, 2], color[2, 2], rtol=1e-4)  # 398 roundings: nothing from behind comes in
+
+
+@pytest.mark.parametrize("exponent", [-300, -160, -140, 0, 125, 140, 300])
+def test_the_unit_of_length_changes_no_bit(exponent):
+    scene = refdof.load_scene("branches")
+    camera = scene.camera.with_size((20, 15))
+    expected = refdof.render("singlepass", scene, camera).image
+    scaled = scene.scaled(2.0**exponent)
+    image = refdof.render("singlepass", scaled, scaled.camera.with_size((20, 15))).image
+    np.testing.assert_array_equal(image, expected)
+
+
+@pytest.mark.parametrize("depth_filter", ["nearest", "bilinear"])
+def test_extreme_circles_and_depths_stay_finite(depth_filter):
+    color = np.random.default_rng(1).random((6, 7, 3), dtype=np.float32)
+    coc = np.where(np.indices((6, 7)).sum(axis=0) % 2, np.float32(3e38), np.float32(-3e38))
+    depth = np.full((6, 7), 1e-39, dtype=np.float32)
+    assert np.isfinite(blur(color, depth, coc, Params(depth_filter))).all()

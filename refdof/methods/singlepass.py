@@ -16,7 +16,8 @@ Departures from the paper
 - The listing leaves texture filters to the host. Colour is bilinear, clamped to the edge. Depth is read at the nearest
   texel: a blend of near and far depth is a surface that nobody saw. `depth_filter="bilinear"` blends inverse depth and
   circle of confusion, which is what a linearly filtered z-buffer gives.
-- Offsets are computed once in float64; the listing adds up angles in float32 (0.00004 px apart after 398 taps).
+- Offsets are computed once in float64; the listing adds up angles in float32 (0.0004 px apart after 398 taps).
+- With depth at the nearest texel and colour bilinear, a tap beside an edge has up to half a texel of the colour across.
 - The half-resolution variant that the article mentions is not described well enough to be rebuilt.
 
 References
@@ -26,6 +27,7 @@ References
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,12 +67,14 @@ class Params:
 
 def render(view: View, params: Params, trace: Trace) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    pinhole = view.pinhole()
-    coc = view.coc_px()
+    pinhole, coc = view.pinhole(), view.coc_px()
     trace.record("coc", lambda: coc)
     trace.record("size", lambda: _sizes(coc))
     trace.record("taps", lambda: spiral()[:, :2])
-    return blur(pinhole.color, pinhole.depth.astype(np.float32), coc.astype(np.float32), params)
+    # Only the order of depths counts: any power of two brings them into the range of float32.
+    nearest = pinhole.depth.min(initial=np.inf, where=np.isfinite(pinhole.depth))
+    depth = np.ldexp(pinhole.depth, -int(np.frexp(nearest)[1])) if np.isfinite(nearest) else pinhole.depth
+    return blur(pinhole.color, _within(np.float32, depth), _within(np.float32, coc), params)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -97,7 +101,8 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
 
     Notes
     -----
-    Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept.
+    Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept. The sum of
+    all taps must fit the type: in float32, colours stay right up to 8e35.
     """
     color = as_float("color", color, (None, None, 3))
     if color.size == 0:
@@ -109,9 +114,10 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     taps = spiral()
     split = [tap_of(dx, dy) for dx, dy, _ in taps]
     if params.depth_filter == "bilinear":  # signed, so that a blend across the focal plane passes through 0
-        guides = np.stack([1.0 / depth, coc], axis=-1)
+        nearness = 1.0 / np.maximum(depth, np.finfo(color.dtype).tiny)
+        guides = np.stack([nearness, np.clip(coc, *_half_range(color.dtype))], axis=-1)
     else:
-        guides = np.stack([1.0 / depth, _sizes(coc)], axis=-1)
+        guides = np.stack([-depth, _sizes(coc)], axis=-1)
     return _spread(
         pad_planes(color, _MARGIN),
         pad_planes(guides.astype(color.dtype), _MARGIN),
@@ -139,11 +145,23 @@ def _sizes(coc: Float) -> Float:
     return np.minimum(np.abs(coc), coc.dtype.type(MAX_BLUR_SIZE))
 
 
+def _within(dtype: type, values: Float) -> Float:
+    """`values` as `dtype`, cut at its largest number."""
+    limits = np.finfo(dtype)
+    return np.clip(values, limits.min, limits.max).astype(dtype)
+
+
+def _half_range(dtype: np.dtype) -> tuple[Any, Any]:
+    """Bounds inside which the difference of two values is finite."""
+    limits = np.finfo(dtype)
+    return limits.min / 4, limits.max / 4
+
+
 @kernel
 def _spread(color, guides, offsets, weights, inner, bilinear):
     """Run the spiral over all pixels, taps outside, pixels of a row inside.
 
-    color (3, h, w) and guides (2, h, w: 1 / depth, size or coc) are padded; offsets (N, 4): whole and nearest texel;
+    color (3, h, w) and guides (2, h, w: nearness, size or coc) are padded; offsets (N, 4): whole and nearest texel;
     weights (N, 2); inner (N,): radius - 0.5. Returns (H, W, 3).
     """
     height, width = color.shape[1] - 2 * _MARGIN, color.shape[2] - 2 * _MARGIN
@@ -195,7 +213,7 @@ def _filter(top, bottom, wx, wy, out):
 
 @inline
 def _reach(depth, size, here, limit, inner, cover):
-    """How far each tap covers its pixel: smoothstep(radius - 0.5, radius + 0.5, size). Depths are inverse."""
+    """How far each tap covers its pixel: smoothstep(radius - 0.5, radius + 0.5, size). Nearer is greater."""
     one, two, three = cover.dtype.type(1), cover.dtype.type(2), cover.dtype.type(3)
     for x in range(len(cover)):
         s = min(size[x], limit[x]) if depth[x] < here[x] else size[x]

@@ -24,7 +24,7 @@ class Tap(NamedTuple):
 
 
 def tap_of(dx: float, dy: float) -> Tap:
-    """Split an offset [px], y down, into texels and weights in [0, 1)."""
+    """Split an offset [px], y down, into texels and weights in [0, 1]."""
     x, y = math.floor(dx), math.floor(dy)
     return Tap(x, y, dx - x, dy - y)
 
