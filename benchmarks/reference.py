@@ -26,7 +26,7 @@ from plain_scene import plain
 
 import refdof
 from refdof._jit import thread_count
-from refdof.reference import PIXEL_FILTERS, reference_of_view
+from refdof.reference import PIXEL_FILTERS, estimate, reference_of_view
 
 SAMPLES = (16, 64, 256, 1024)
 TOLERANCES = (0.03, 0.01, 0.003)
@@ -86,6 +86,7 @@ def compare(mitsuba, view: refdof.View, pixel_filter: str, counts: list[int], lo
     """Every renderer's runs for one integral, and the time each needs for the common error."""
     runs = {
         "refdof": [refdof_run(view, pixel_filter, n) for n in counts],
+        "refdof, one net": [refdof_run(view, pixel_filter, n, replicates=1) for n in counts],
         "refdof, tolerance": [refdof_run(view, pixel_filter, tolerance=t) for t in TOLERANCES],
     }
     compiling = 0.0
@@ -118,11 +119,16 @@ def compare(mitsuba, view: refdof.View, pixel_filter: str, counts: list[int], lo
     }
 
 
-def refdof_run(view: refdof.View, pixel_filter: str, samples: int = 1024, tolerance: float | None = None) -> Run:
-    """A run of refdof; the first call compiles, or loads what an earlier one compiled."""
-    reference_of_view(view, 16, pixel_filter=pixel_filter)
+def refdof_run(
+    view: refdof.View, pixel_filter: str, samples: int = 1024, tolerance: float | None = None, replicates: int = 16
+) -> Run:
+    """A run of refdof; the first call compiles, or loads what an earlier one compiled.
+
+    One replicate is the method `accumulation`: the best picture for the rays, without an error bar.
+    """
+    estimate(view, 16, replicates, 1, None, pixel_filter, False, None)
     wall, cpu = time.perf_counter(), time.process_time()
-    result = reference_of_view(view, samples, tolerance=tolerance, pixel_filter=pixel_filter)
+    result = estimate(view, samples, replicates, 1, tolerance, pixel_filter, False, None)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     return Run(result.image, float(result.samples.mean()), wall, cpu, tolerance)
 

@@ -28,7 +28,6 @@ from refdof.surfaces import borrow_surfaces, intersect
 __all__ = ["tile_order", "trace_block"]
 
 _UNIT = 2.0**-32
-_MANY_CELLS, _CELLS = 64, 4  # from 64 cells on, 4 pixels x 4 cells are traced faster than 16 x 1 (measured)
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
 _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
@@ -49,7 +48,7 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
     (K, ROWS, 16) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
     """
     group = min(sums.shape[0], LANES)
-    cells = _CELLS if group == 1 and len(block.cells) >= _MANY_CELLS else 1
+    cells = _cells_together(len(block.cells)) if group == 1 else 1
     strands = len(packets) * LANES // cells
     rays = np.zeros((4, strands * cells))
     tangents = np.zeros((2, strands))
@@ -65,6 +64,14 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
             total = sums[replicate : replicate + group, first : first + chunk]
             start = (np.uint32(seed), replicate, shared)
             _trace(surfaces, scene, packet, shot, opening, block, part, cells, start, box, work, total)
+
+
+@inline
+def _cells_together(cells):
+    """How many neighbouring cells of one net share a packet: the rest of its 16 rays are neighbouring pixels'."""
+    if cells >= 256:
+        return 16
+    return 4 if cells >= 64 else 1
 
 
 @tile_kernel
@@ -186,10 +193,11 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
     Lanes left over repeat a ray.
     """
     last = strands * cells - 1
+    shift = 0 if cells == 1 else (2 if cells == 4 else 4)
     for k in range(used):
         for lane in range(LANES):
             entry = min(k * LANES + lane, last)
-            source = entry if cells == 1 else entry % _CELLS * strands + entry // _CELLS
+            source = entry if cells == 1 else (entry & (cells - 1)) * strands + (entry >> shift)
             packets[k, _X, lane] = rays[0, source]
             packets[k, _Y, lane] = rays[1, source]
             packets[k, _DX, lane] = rays[2, source]

@@ -18,6 +18,7 @@ FAST = {
     "test_contract.py",
     "test_jit.py",
     "test_lens.py",
+    "test_owen.py",
     "test_planar.py",
     "test_rendering.py",
     "test_sampling.py",
