@@ -2,8 +2,8 @@
 
 1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.lens_rays`
 2. Estimate every pixel R times with independent scrambles of one net                `refdof.owen`
-3. The mean is the picture; the spread of the R estimates is its error                `_summarise`
-4. With a tolerance, double the net of the pixels whose error is too large            `_unfinished`
+3. The mean is the picture; the spread of the R estimates is its error                `refdof.error_bar`
+4. With a tolerance, double the net of the pixels whose error is too large            `refdof.error_bar`
 
 Only the replicates are independent, so only they enter the error bar: the points inside one net repel each
 other and their own variance says nothing about the error.
@@ -25,6 +25,7 @@ import numpy as np
 from refdof._check import Float, Index, as_choice, as_integer, as_number
 from refdof._jit import run_tasks
 from refdof.camera import Camera
+from refdof.error_bar import grid_of, summarise, unfinished
 from refdof.lens import ThinLens
 from refdof.lens_rays import tile_order, trace_block
 from refdof.noise_floor import noise_floor_psnr
@@ -187,15 +188,16 @@ def estimate(
         for count in np.unique(spent):
             todo: Index = np.flatnonzero(spent == count)
             sums[:, todo] = trace(pixels[todo], 0, int(count))
-        mean, error = _summarise(sums, spent, pixels)
+        grid = grid_of(pixels)
+        mean, error = summarise(sums, spent, grid)
         while tolerance is not None:
-            todo = _unfinished(mean, error, spent, pixels, tolerance)
+            todo = np.flatnonzero(unfinished(mean, error, spent, grid, tolerance, _MAX_POINTS))
             if not len(todo):
                 break
             have = int(spent[todo[0]])
             sums[:, todo] += trace(pixels[todo], have, have)
             spent[todo] += have
-            mean, error = _summarise(sums, spent, pixels)
+            mean, error = summarise(sums, spent, grid)
         result.image[rows, columns] = mean
         result.standard_error[rows, columns] = error
         result.samples[rows, columns] = spent * replicates
@@ -212,44 +214,3 @@ def _timed(result: Reference, began: float) -> Reference:
 def _power_of_two(count: Any) -> Any:
     """The smallest power of two that is not below `count`, at least 1."""
     return np.exp2(np.ceil(np.log2(np.maximum(count, 1)))).astype(np.int64)
-
-
-def _summarise(sums: Float, spent: Index, pixels: Index) -> tuple[Float, Float]:
-    """Mean and its standard error, (N, 3) each, from the sums (R, N, 3) over `spent` (N,) points per replicate.
-
-    Where all R estimates agree although the picture is blurred around, R M samples can have missed a share of 1 / (R M)
-    of what the neighbours see: the error bar is at least that share of the contrast around the pixel.
-    """
-    estimates = sums / spent[None, :, None]
-    count = len(estimates)
-    if count == 1:
-        return estimates[0], np.zeros_like(estimates[0])
-    # Deviations from the first estimate: equal estimates give an error of exactly 0.
-    deviation = estimates - estimates[0]
-    mean = deviation.mean(axis=0)
-    error = np.sqrt(((deviation - mean) ** 2).sum(axis=0) / (count - 1) / count)
-    mean += estimates[0]
-    agree = error.max(axis=1) < 1e-12  # roundings of equal estimates
-    unsure = np.flatnonzero(agree & (_around(~agree, pixels, 1, False).any(axis=1)))
-    if len(unsure):
-        near = _around(mean, pixels, 1, np.nan)[unsure]
-        error[unsure] = (np.nanmax(near, axis=1) - np.nanmin(near, axis=1)) / (count * spent[unsure, None])
-    return mean, error
-
-
-def _unfinished(mean: Float, error: Float, spent: Index, pixels: Index, tolerance: float) -> Index:
-    """Which pixels need twice the points: those above the tolerance and their neighbours, the least sampled first."""
-    excess = (error / (tolerance * np.maximum(1.0, np.abs(mean)))).max(axis=1)
-    unfinished = (_around(excess, pixels, 2, 0.0).max(axis=1) > 1.0) & (spent < _MAX_POINTS)
-    if not unfinished.any():
-        return np.zeros(0, dtype=np.int64)
-    return np.flatnonzero(unfinished & (spent == spent[unfinished].min()))
-
-
-def _around(values: Float, pixels: Index, reach: int, outside: float) -> Float:
-    """Values (N, ...) of the (2 reach + 1)^2 pixels around each pixel of a tile: (N, that many, ...)."""
-    x, y = pixels[:, 0] - pixels[:, 0].min() + reach, pixels[:, 1] - pixels[:, 1].min() + reach
-    plane = np.full((y.max() + reach + 1, x.max() + reach + 1, *values.shape[1:]), outside)
-    plane[y, x] = values
-    steps = range(-reach, reach + 1)
-    return np.stack([plane[y + j, x + i] for j in steps for i in steps], axis=1)
