@@ -34,6 +34,7 @@ from refdof.view import View
 __all__ = ["app", "main"]
 
 DEFAULT_SCENE = "fence"
+_INTERRUPTED = 130  # what a shell reports after Ctrl-C
 _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command line, whichever click typer brings
 
 app = typer.Typer(
@@ -153,7 +154,9 @@ def main() -> None:
     except _UsageError as error:
         _fail(error.format_message(), 2)
     except (typer.Abort, KeyboardInterrupt):
-        _fail("interrupted; nothing was written", 130)
+        status = _INTERRUPTED
+    if status == _INTERRUPTED:
+        _fail("interrupted; nothing was written", _INTERRUPTED)
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -72,3 +72,14 @@ def test_tasks_report_progress_and_pass_errors_on():
 
     with pytest.raises(ValueError, match="3"):
         _jit.run_tasks(fail, [3])
+
+
+def test_an_interrupt_ends_after_the_running_jobs():
+    ran = []
+
+    def stop(done, count):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        _jit.run_tasks(lambda k: (time.sleep(0.01), ran.append(k)), range(1000), stop)
+    assert len(ran) < 900  # all of them would take seconds

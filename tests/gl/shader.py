@@ -10,7 +10,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-__all__ = ["GLMissing", "Pass", "draw", "new_pass", "open_context", "read", "texture_of"]
+__all__ = ["GLMissing", "Pass", "chain_of", "draw", "generated", "new_pass", "open_context", "read", "stored", "texture_of"]
 
 _MESA = {"EGL_PLATFORM": "surfaceless", "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
 
@@ -92,3 +92,42 @@ def read(work: Pass) -> np.ndarray:
     components = work.shape[2]
     data = work.target.read(components=components, dtype="f4", alignment=4)
     return np.frombuffer(data, dtype="f4").reshape(work.shape).copy()
+
+
+def stored(context: moderngl.Context, copy: str, image: np.ndarray, internal_format: int) -> np.ndarray:
+    """Draw `copy` of an image (H, W, 4) into a target of OpenGL's `internal_format` and read its texels: float32."""
+    height, width = image.shape[:2]
+    target = context.texture((width, height), 4, internal_format=internal_format)
+    target.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    first, second = new_pass(context, copy, (height, width)), new_pass(context, copy, (height, width))
+    short = Pass(first.program, first.triangle, context.framebuffer([target]), first.shape)
+    draw(short, {"a": texture_of(context, image, linear=False)})
+    draw(second, {"a": target})
+    return read(second)
+
+
+def chain_of(context: moderngl.Context, levels: list[np.ndarray]) -> Any:
+    """A texture of all levels (h, w, 4), float32 or uint8, clamped to the edge, with trilinear filtering."""
+    kind = {"f": "f4", "u": "f1"}[levels[0].dtype.kind]
+    height, width = levels[0].shape[:2]
+    texture = context.texture((width, height), 4, dtype=kind)
+    texture.build_mipmaps(0, len(levels) - 1)
+    for level, image in enumerate(levels):
+        texture.write(np.ascontiguousarray(image).tobytes(), level=level, alignment=4)
+    texture.repeat_x = texture.repeat_y = False
+    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    return texture
+
+
+def generated(context: moderngl.Context, image: np.ndarray) -> list[np.ndarray]:
+    """The driver's own chain of an image (H, W, 4), float32 or uint8."""
+    height, width = image.shape[:2]
+    texture = context.texture((width, height), 4, image.tobytes(), dtype={"f": "f4", "u": "f1"}[image.dtype.kind])
+    count = max(height, width).bit_length()
+    texture.build_mipmaps(0, count - 1)
+    levels = []
+    for level in range(count):
+        shape = (max(1, height >> level), max(1, width >> level), 4)
+        data = texture.read(level=level, alignment=4)
+        levels.append(np.frombuffer(data, dtype=image.dtype).reshape(shape).copy())
+    return levels

@@ -1,0 +1,171 @@
+"""Pieces: triangles clipped in camera space, projected and snapped to the sub-pixel grid, as a GPU does.
+
+1. `_polygon`   clip a triangle at the near plane and at a guard band far outside the picture [1]
+2. `_snap`      project a corner and round it to the grid, in float32
+3. `_set_up`    one snapped triangle per piece, counter-clockwise in (x, row), with its box of pixels
+
+Two triangles cut their shared edge at the same bits, since each cut runs from the inside to the outside.
+
+References
+----------
+.. [1] Sutherland & Hodgman (1974), Reentrant Polygon Clipping, Communications of the ACM 17(1).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof._jit import inline, kernel, prange
+from refdof.camera import Camera
+
+__all__ = ["Pieces", "pieces_of"]
+
+_GUARD_PX = 32768.0  # farther from the picture's centre, float32 has no sub-pixels left and edges could overflow
+_MOST_CORNERS = 8  # a triangle cut by five planes
+
+
+class Pieces(NamedTuple):
+    """T snapped triangles in order of their face, from zero to six for a face.
+
+    corner (T, 6) int32: x, y of three corners [2^-bits px, from the centre of pixel (0, 0), y down], never clockwise
+    as x right and y down make it; face (T,) int32; box (T, 4) int32: first and last column, first and last row with
+    pixel centres in it, first > last: none.
+    """
+
+    corner: Index
+    face: Index
+    box: Index
+
+
+def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: int) -> Pieces:
+    """Clip, project and snap: vertices (V, 3) float64 in camera space, near [scene units] > 0."""
+    scale = camera.pixels_per_tangent
+    counts = _count(vertices, faces, near, scale)
+    first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
+    total = int(first[-1])
+    pieces = Pieces(
+        np.empty((total, 6), dtype=np.int32), np.empty(total, dtype=np.int32), np.empty((total, 4), dtype=np.int32)
+    )
+    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, first, pieces)
+    return pieces
+
+
+@kernel
+def _count(vertices, faces, near, scale):
+    """Pieces of each face: (F,) int64."""
+    counts = np.zeros(len(faces), dtype=np.int64)
+    for i in prange(len(faces)):
+        outside, common = _codes(vertices, faces, i, near, scale)
+        if outside == 0:
+            counts[i] = 1
+        elif common == 0:
+            counts[i] = max(_polygon(vertices, faces, i, near, scale, np.empty((2, _MOST_CORNERS, 3)))[0] - 2, 0)
+    return counts
+
+
+@kernel
+def _set_up(vertices, faces, near, scale, width, height, bits, first, pieces):
+    """Fill `pieces`; `first` (F + 1,) says where those of each face begin."""
+    for i in prange(len(faces)):
+        if first[i + 1] == first[i]:
+            continue
+        # Take the triangle as it is, or the polygon that the planes leave of it.
+        room = np.empty((2, _MOST_CORNERS, 3))
+        count, side = 3, 0
+        if _codes(vertices, faces, i, near, scale)[0] == 0:
+            for k in range(3):
+                for axis in range(3):
+                    room[0, k, axis] = vertices[faces[i, k], axis]
+        else:
+            count, side = _polygon(vertices, faces, i, near, scale, room)
+        # Cut the polygon into a fan around its first corner.
+        ax, ay = _snap(room, side, 0, scale, width, height, bits)
+        bx, by = _snap(room, side, 1, scale, width, height, bits)
+        for k in range(2, count):
+            cx, cy = _snap(room, side, k, scale, width, height, bits)
+            _store(pieces, first[i] + k - 2, i, ax, ay, bx, by, cx, cy, width, height, bits)
+            bx, by = cx, cy
+
+
+@inline
+def _distance(x, y, z, plane, near, scale):
+    """How far a point lies inside a plane: 0 near, 1 right, 2 left, 3 top, 4 bottom of the guard band."""
+    if plane == 0:
+        return -z - near
+    if plane == 1:
+        return -z * _GUARD_PX - x * scale
+    if plane == 2:
+        return -z * _GUARD_PX + x * scale
+    if plane == 3:
+        return -z * _GUARD_PX - y * scale
+    return -z * _GUARD_PX + y * scale
+
+
+@inline
+def _codes(vertices, faces, i, near, scale):
+    """Two bit sets of planes: those with a corner outside, and those with all corners outside."""
+    outside, common = 0, 31
+    for k in range(3):
+        vertex, code = faces[i, k], 0
+        for plane in range(5):
+            if _distance(vertices[vertex, 0], vertices[vertex, 1], vertices[vertex, 2], plane, near, scale) < 0.0:
+                code |= 1 << plane
+        outside |= code
+        common &= code
+    return outside, common
+
+
+@inline
+def _polygon(vertices, faces, i, near, scale, room):
+    """Clip face i into room[side]: (corners, side). `room` is (2, 8, 3), one side for the polygon before a plane."""
+    for k in range(3):
+        for axis in range(3):
+            room[0, k, axis] = vertices[faces[i, k], axis]
+    count, side = 3, 0
+    for plane in range(5):
+        kept = 0
+        for k in range(count):
+            a, b = room[side, k], room[side, (k + 1) % count]
+            in_a = _distance(a[0], a[1], a[2], plane, near, scale)
+            in_b = _distance(b[0], b[1], b[2], plane, near, scale)
+            if in_a >= 0.0:
+                room[1 - side, kept] = a
+                kept += 1
+            if (in_a >= 0.0) != (in_b >= 0.0):
+                # Cut from the inside to the outside.
+                if in_a < 0.0:
+                    a, b, in_a, in_b = b, a, in_b, in_a
+                t = in_a / (in_a - in_b)
+                for axis in range(3):
+                    room[1 - side, kept, axis] = a[axis] + t * (b[axis] - a[axis])
+                if plane == 0:
+                    room[1 - side, kept, 2] = -near
+                kept += 1
+        count, side = kept, 1 - side
+    return count, side
+
+
+@inline
+def _snap(room, side, k, scale, width, height, bits):
+    """A corner's place on the grid: (x, y) int64, row 0 on top; ties go to even."""
+    depth = -room[side, k, 2]
+    x = np.float32(0.5 * width + room[side, k, 0] * scale / depth)
+    y = np.float32(0.5 * height - room[side, k, 1] * scale / depth)
+    half, unit = np.float32(0.5), np.float32(2.0**bits)
+    return np.int64(np.rint((x - half) * unit)), np.int64(np.rint((y - half) * unit))
+
+
+@inline
+def _store(pieces, n, face, ax, ay, bx, by, cx, cy, width, height, bits):
+    """Write piece n, turned so that its area is positive; one without area gets an empty box."""
+    area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    if area < 0:
+        bx, by, cx, cy = cx, cy, bx, by
+    corner, box = pieces.corner[n], pieces.box[n]
+    corner[0], corner[1], corner[2], corner[3], corner[4], corner[5] = ax, ay, bx, by, cx, cy
+    pieces.face[n] = face
+    box[0], box[1] = max(0, -(-min(ax, bx, cx) >> bits)), min(width - 1, max(ax, bx, cx) >> bits)
+    box[2], box[3] = max(0, -(-min(ay, by, cy) >> bits)), min(height - 1, max(ay, by, cy) >> bits)
+    if area == 0 or box[0] > box[1] or box[2] > box[3]:
+        box[0], box[1] = 1, 0

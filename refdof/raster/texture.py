@@ -1,0 +1,333 @@
+"""Texture reads as a graphics pipeline does them: single texels, bilinear and trilinear filters.
+
+An image is (H, W, C): float32, float64, or uint8 for integers that a reader sees as k / 255. Row 0 has v = 0; texel
+(x, y) is centred on u = (x + 1/2) / W, v = (y + 1/2) / H. Images may hold infinities and NaN: with `strict_weights` a
+texel of weight 0 has no part in the result, otherwise it makes it NaN, as graphics cards do.
+
+References
+----------
+.. [1] Khronos Group, OpenGL 4.5 specification, section 8.14 (texture minification).
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index, InputError, as_float
+from refdof._jit import inline, kernel, prange
+from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
+
+__all__ = [
+    "Rules",
+    "as_texture",
+    "at_texels",
+    "bilinear",
+    "bilinear_at",
+    "fetch",
+    "fused_multiply_add",
+    "level_of_detail",
+    "lerp",
+    "rules_of",
+    "split",
+    "texel_at",
+    "trilinear",
+]
+
+
+class Rules(NamedTuple):
+    """What kernels need to know of a `GpuModel`."""
+
+    strict: bool
+    fused: bool
+    flush: bool
+
+
+def rules_of(model: GpuModel) -> Rules:
+    """The rules that kernels take."""
+    return Rules(model.strict_weights, model.fused_lerp, model.flush_denormals)
+
+
+def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
+    """Single texels: (..., C) at whole x, y (...); 0 outside the image.
+
+    Raises
+    ------
+    InputError
+        If the image is not a texture, or x and y are not integers or do not fit each other.
+    """
+    image = _decoded(as_texture("image", image, model), model)
+    x, y = _matched("x", x, "y", y)
+    for name, value in (("x", x), ("y", y)):
+        if not np.issubdtype(value.dtype, np.integer):
+            raise InputError(f"{name}: got {value.dtype}; allowed are integers")
+    height, width, channels = image.shape
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    out = np.zeros((*x.shape, channels), dtype=image.dtype)
+    out[inside] = image[y[inside], x[inside]]
+    return out
+
+
+def bilinear(image: Any, u: Any, v: Any, model: GpuModel = EXACT, border: Any = None) -> Float:
+    """Blend the four texels around a point, along x first.
+
+    Parameters
+    ----------
+    image : (H, W, C)
+        float64 only with `EXACT`.
+    u, v : (...)
+        Finite; 0 .. 1 spans the image. float64 with `EXACT`, else float32.
+    model : GpuModel
+    border : (C,) or None
+        Colour outside the image; None repeats the edge.
+
+    Returns
+    -------
+    (..., C) : float32, or float64 for a float64 image.
+
+    Raises
+    ------
+    InputError
+        If the image is not a texture, a coordinate is not finite, or shapes disagree.
+    """
+    image = as_texture("image", image, model)
+    u, v = _coordinates(model, u=u, v=v)
+    own = u.dtype.type
+    with np.errstate(over="ignore"):  # far outside
+        return at_texels(image, u * own(image.shape[1]), v * own(image.shape[0]), model, border)
+
+
+def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel = EXACT, border: Any = None) -> Float:
+    """Blend bilinear reads of two neighbouring levels: textureLod.
+
+    Parameters
+    ----------
+    levels : images (H, W, C)
+        Finest first, all of one type.
+    u, v : (...)
+        As in `bilinear`.
+    lod : (...)
+        Finite level; below 0 is 0, above the last is the last.
+    model, border
+        As in `bilinear`.
+
+    Returns
+    -------
+    (..., C) : float32, or float64 for float64 images.
+
+    Raises
+    ------
+    InputError
+        As `bilinear`; also if there is no level, or types or channels differ.
+    """
+    images = [as_texture(f"levels[{k}]", level, model) for k, level in enumerate(levels)]
+    if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
+        raise InputError("levels: allowed is at least one image, all of one type and number of channels")
+    u, v, lod = _coordinates(model, u=u, v=v, lod=lod)
+    shape, u, v, lod = u.shape, u.ravel(), v.ravel(), lod.ravel()
+    whole_bytes = images[0].dtype == np.uint8 and model.integer_unorm8 and border is None
+    lod = np.clip(lod, 0, len(images) - 1)
+    if model.filter_bits:
+        lod = np.floor(lod * lod.dtype.type(256) + lod.dtype.type(0.5)) / lod.dtype.type(256)
+    level = np.floor(lod).astype(np.int64)
+    parts = []
+    for step in (0, 1):
+        read = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
+        chosen = np.minimum(level + step, len(images) - 1)
+        for k in np.unique(chosen):
+            here = chosen == k
+            read[here] = bilinear(images[k], u[here], v[here], model, border)
+        parts.append(read)
+    if whole_bytes:
+        fine, coarse = (np.rint(part.astype(np.float64) * 255).astype(np.int64) for part in parts)
+        weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]
+        out = decode_unorm(fine + (((coarse - fine) * weight + 128) >> 8), 255, model)
+    else:
+        weight = (lod - level).astype(parts[0].dtype)
+        out = np.where((weight > 0)[:, None], _blend(*parts, weight, rules_of(model)), parts[0])
+    return out.reshape(*shape, -1)
+
+
+def level_of_detail(squared: Any, model: GpuModel = EXACT) -> Float:
+    """The level whose texels have the footprint's size: log2 of it.
+
+    Parameters
+    ----------
+    squared : (...) > 0
+        Square of the footprint's larger side [texels of level 0].
+    model : GpuModel
+        With `linear_log2`, log2(m 2^e) is e + m - 1 for 1 <= m < 2: up to 0.043 too low.
+    """
+    squared = as_float("squared", squared, np.shape(squared))
+    if not (squared > 0).all():
+        raise InputError(f"squared: smallest value is {squared.min():g}; allowed are values > 0")
+    if not model.linear_log2:
+        return 0.5 * np.log2(squared)
+    mantissa, exponent = np.frexp(squared)
+    return 0.5 * (exponent - 1 + (2 * mantissa - 1))
+
+
+def as_texture(name: str, image: Any, model: GpuModel) -> Any:
+    """Return `image` as a C-contiguous (H, W, C) array that `model` can read."""
+    if not isinstance(image, np.ndarray) or image.dtype not in (np.uint8, np.float32, np.float64):
+        kind = getattr(image, "dtype", type(image).__name__)
+        raise InputError(f"{name}: got {kind}; allowed is an array of uint8, float32 or float64")
+    if image.ndim != 3 or image.size == 0:
+        raise InputError(f"{name}: got shape {image.shape}; allowed is (H, W, C), not empty")
+    if image.dtype == np.float64 and model != EXACT:
+        raise InputError(f"{name}: got float64; allowed are uint8 and float32 for a model other than EXACT")
+    return np.ascontiguousarray(image)
+
+
+def at_texels(image: Any, x: Float, y: Float, model: GpuModel, border: Any = None) -> Float:
+    """`bilinear` at x, y in texels from the image's corner; nothing but `border` is checked."""
+    height, width, channels = image.shape
+    colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=np.float64)
+    if image.dtype == np.uint8 and model.integer_unorm8 and border is None:
+        whole = _filter_bytes(image, _fixed(x, width).ravel(), _fixed(y, height).ravel())
+        return decode_unorm(whole, 255, model).reshape(*x.shape, channels)
+    image = _decoded(image, model)
+    column, right = split(x, width, model)
+    row, below = split(y, height, model)
+    places = column.ravel(), row.ravel(), right.ravel().astype(image.dtype), below.ravel().astype(image.dtype)
+    out = _filter(image, *places, colour.astype(image.dtype), border is not None, rules_of(model))
+    return out.reshape(*x.shape, channels)
+
+
+def split(x: Float, size: int, model: GpuModel) -> tuple[Index, Float]:
+    """The first of two texels (-1 .. size) that x [texels from the corner] lies between, and the second's weight."""
+    own = x.dtype.type
+    centred = np.clip(x - own(0.5), own(-1), own(size))  # further out every texel is the edge or the border
+    if model.filter_bits:
+        centred = np.floor(centred * own(256) + own(0.5)) / own(256)
+    first = np.floor(centred)
+    return first.astype(np.int64), centred - first
+
+
+@inline
+def lerp(a, b, w, rules):
+    """a + (b - a) w, all of one type."""
+    if rules.strict:
+        if w == 0 or a == b:
+            return a
+        if w == 1:
+            return b
+        if np.isinf(b - a):  # infinite texels, or a difference beyond the type
+            return a * (w / w - w) + b * w  # w / w: a one of the same type
+        return a + (b - a) * w
+    if rules.flush:
+        a, b, w = _flush(a), _flush(b), _flush(w)
+        difference = _flush(b - a)
+        if rules.fused:
+            return _flush(fused_multiply_add(difference, w, a))
+        return _flush(a + _flush(difference * w))
+    if rules.fused:
+        return fused_multiply_add(b - a, w, a)
+    return a + (b - a) * w
+
+
+@inline
+def fused_multiply_add(x, y, z):
+    """x y + z of float32, rounded once.
+
+    The product is exact in float64. The sum is rounded to float64 and then to float32, which goes wrong only where the
+    first result lies midway between two float32 and was itself rounded: then what it lost decides.
+    """
+    product = np.float64(x) * np.float64(y)
+    wide = product + np.float64(z)
+    near = np.float32(wide)
+    back = wide - product
+    lost = (product - (wide - back)) + (np.float64(z) - back)
+    if lost == 0 or not np.isfinite(near) or wide == np.float64(near):
+        return near
+    other = np.nextafter(near, np.float32(np.inf) if wide > np.float64(near) else np.float32(-np.inf))
+    if 0.5 * (np.float64(near) + np.float64(other)) == wide and (lost > 0) == (other > near):
+        return other
+    return near
+
+
+@inline
+def _flush(x):
+    """0 of the same sign for a float32 below 2^-126."""
+    return np.float32(np.copysign(0.0, x)) if abs(x) < 1.1754943508222875e-38 else x
+
+
+@inline
+def texel_at(image, x, y, c, border, bordered):
+    """Channel c of texel (x, y); outside, the border's colour (C,) or the edge's."""
+    height, width = image.shape[0], image.shape[1]
+    if bordered and (x < 0 or y < 0 or x >= width or y >= height):
+        return border[c]
+    return image[min(max(y, 0), height - 1), min(max(x, 0), width - 1), c]
+
+
+@inline
+def bilinear_at(image, x, y, wx, wy, c, border, bordered, rules):
+    """Channel c between texels (x, y) and (x + 1, y + 1); weights have the image's type."""
+    a = lerp(texel_at(image, x, y, c, border, bordered), texel_at(image, x + 1, y, c, border, bordered), wx, rules)
+    y = y + 1
+    b = lerp(texel_at(image, x, y, c, border, bordered), texel_at(image, x + 1, y, c, border, bordered), wx, rules)
+    return lerp(a, b, wy, rules)
+
+
+@kernel
+def _filter(image, x, y, wx, wy, border, bordered, rules):
+    """Bilinear reads (N, C) of an image of floats; x, y, wx, wy are (N,)."""
+    out = np.empty((len(x), image.shape[2]), dtype=image.dtype)
+    for k in prange(len(x)):
+        for c in range(image.shape[2]):
+            out[k, c] = bilinear_at(image, x[k], y[k], wx[k], wy[k], c, border, bordered, rules)
+    return out
+
+
+@kernel
+def _filter_bytes(image, x, y):
+    """Bilinear reads (N, C) of an image of bytes in integers; x, y (N,) are in 1/256 texel from the first centre."""
+    height, width, channels = image.shape
+    out = np.empty((len(x), channels), dtype=np.int64)
+    for k in prange(len(x)):
+        left, top = min(max(x[k] >> 8, 0), width - 1), min(max(y[k] >> 8, 0), height - 1)
+        right, bottom = min(max((x[k] >> 8) + 1, 0), width - 1), min(max((y[k] >> 8) + 1, 0), height - 1)
+        for c in range(channels):
+            p, q = np.int64(image[top, left, c]), np.int64(image[bottom, left, c])
+            p += ((np.int64(image[top, right, c]) - p) * (x[k] & 255) + 128) >> 8
+            q += ((np.int64(image[bottom, right, c]) - q) * (x[k] & 255) + 128) >> 8
+            out[k, c] = p + (((q - p) * (y[k] & 255) + 128) >> 8)
+    return out
+
+
+@kernel
+def _blend(fine, coarse, weight, rules):
+    """Lerp of (N, C) rows with weight (N,)."""
+    out = np.empty_like(fine)
+    for k in prange(len(fine)):
+        for c in range(fine.shape[1]):
+            out[k, c] = lerp(fine[k, c], coarse[k, c], weight[k], rules)
+    return out
+
+
+def _fixed(x: Float, size: int) -> Index:
+    inside = np.clip(x, x.dtype.type(-1), x.dtype.type(size + 1))
+    return np.rint(inside * x.dtype.type(256)).astype(np.int64) - 128
+
+
+def _decoded(image: Any, model: GpuModel) -> Float:
+    return decode_unorm(image, 255, model) if image.dtype == np.uint8 else image
+
+
+def _matched(first: str, x: Any, second: str, y: Any) -> Any:
+    try:
+        return np.broadcast_arrays(x, y)
+    except ValueError:
+        raise InputError(f"{first}, {second}: got shapes {np.shape(x)} and {np.shape(y)}; they must match") from None
+
+
+def _coordinates(model: GpuModel, **values: Any) -> list[Float]:
+    """Finite arrays of one shape, in the type in which `model` computes coordinates."""
+    dtype = np.float64 if model == EXACT else np.float32
+    arrays = [as_float(name, value, np.shape(value), dtype=dtype) for name, value in values.items()]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = ", ".join(str(a.shape) for a in arrays)
+        raise InputError(f"{', '.join(values)}: got shapes {shapes}; they must match") from None

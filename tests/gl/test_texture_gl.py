@@ -1,0 +1,154 @@
+"""Texture filters and mip chains against Mesa's llvmpipe."""
+
+import numpy as np
+import pytest
+
+from gl import shader
+from refdof.raster.gpu_model import LLVMPIPE
+from refdof.raster.mipmap import generate_mipmaps
+from refdof.raster.texture import bilinear, fetch, trilinear
+
+pytestmark = pytest.mark.gl
+
+READ = """
+#version 330
+uniform sampler2D image;
+uniform sampler2D places;  // u, v, level
+out vec4 c;
+void main()
+{
+    vec3 p = texelFetch(places, ivec2(gl_FragCoord.xy), 0).xyz;
+    c = textureLod(image, p.xy, p.z);
+}
+"""
+
+FETCH = """
+#version 330
+uniform sampler2D image;
+uniform sampler2D places;  // x, y, level
+out vec4 c;
+void main()
+{
+    ivec3 p = ivec3(texelFetch(places, ivec2(gl_FragCoord.xy), 0).xyz);
+    c = texelFetch(image, p.xy, p.z);
+}
+"""
+
+# A read whose place and level come from another read, blended with a third.
+CHAIN = """
+#version 330
+uniform sampler2D image;
+uniform sampler2D places;
+out vec4 c;
+void main()
+{
+    vec2 p = texelFetch(places, ivec2(gl_FragCoord.xy), 0).xy;
+    vec4 a = textureLod(image, p, 0.0);
+    c = textureLod(image, p + a.xy * 0.25, a.z * 4.0) + textureLod(image, p - a.yz * 0.5, a.x) * a.w;
+}
+"""
+
+
+def texels(shape, dtype, seed=31):
+    random = np.random.default_rng(seed)
+    if dtype == np.uint8:
+        return random.integers(0, 256, (*shape, 4), dtype=np.uint8)
+    values = random.normal(size=(*shape, 4)) * 10.0 ** random.uniform(-3, 3, (*shape, 4))
+    return values.astype(np.float32)
+
+
+def places(count=65536):
+    """u, v and level, with many on texel centres, on borders of texels, on whole levels, and outside."""
+    random = np.random.default_rng(32)
+    uv = random.uniform(-0.3, 1.3, (count, 2))
+    uv[: count // 4] = random.integers(-4, 70, (count // 4, 2)) / 64
+    level = random.uniform(-1, 8, count)
+    level[::5] = np.rint(level[::5] * 2) / 2
+    return np.column_stack([uv, level, np.zeros(count)]).astype(np.float32).reshape(256, -1, 4)
+
+
+def run(context, fragment, levels, at):
+    work = shader.new_pass(context, fragment, at.shape[:2])
+    shader.draw(
+        work, {"image": shader.chain_of(context, levels), "places": shader.texture_of(context, at, linear=False)}
+    )
+    return shader.read(work)
+
+
+def assert_same(seen, ours):
+    same = seen.view(np.uint32) == ours.view(np.uint32)
+    print(f"{same.size} values, {(~same).sum()} differ")
+    assert same.all(), [(tuple(w), seen[tuple(w)], ours[tuple(w)]) for w in np.argwhere(~same)[:6]]
+
+
+every_type = pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+
+
+@every_type
+@pytest.mark.parametrize("shape", [(64, 64), (37, 53), (5, 128), (1, 7)])
+def test_texture_lod(context, dtype, shape):
+    levels = generate_mipmaps(texels(shape, dtype), LLVMPIPE)
+    at = places()
+    seen = run(context, READ, levels, at)
+    assert_same(seen, trilinear(levels, at[..., 0], at[..., 1], at[..., 2], LLVMPIPE))
+    flat = np.where(np.arange(4) == 2, np.float32(0), at)
+    assert_same(run(context, READ, levels, flat), bilinear(levels[0], at[..., 0], at[..., 1], LLVMPIPE))
+
+
+@every_type
+def test_texel_fetch(context, dtype):
+    levels = generate_mipmaps(texels((20, 30), dtype), LLVMPIPE)
+    random = np.random.default_rng(33)
+    at = random.integers(-3, 34, (64, 64, 4)).astype(np.float32)
+    for level, image in enumerate(levels):
+        at[..., 2] = level
+        x, y = at[..., 0].astype(int), at[..., 1].astype(int)
+        assert_same(run(context, FETCH, levels, at), fetch(image, x, y, LLVMPIPE))
+
+
+@every_type
+def test_a_chain_of_reads(context, dtype):
+    image = texels((24, 40), dtype)
+    if dtype == np.float32:
+        image = np.random.default_rng(35).random(image.shape, dtype=np.float32)
+    levels = generate_mipmaps(image, LLVMPIPE)
+    at = places()
+    u, v = at[..., 0], at[..., 1]
+    a = bilinear(levels[0], u, v, LLVMPIPE)
+    quarter, half = np.float32(0.25), np.float32(0.5)
+    there = trilinear(levels, u + a[..., 0] * quarter, v + a[..., 1] * quarter, a[..., 2] * np.float32(4), LLVMPIPE)
+    back = trilinear(levels, u - a[..., 1] * half, v - a[..., 2] * half, a[..., 0], LLVMPIPE)
+    assert_same(run(context, CHAIN, levels, at), there + back * a[..., 3:])
+
+
+def test_infinite_texels_and_nan(context):
+    image = texels((16, 16), np.float32)
+    image[3, 4:7], image[9, 9], image[12, 2] = np.inf, -np.inf, np.nan
+    at = places()
+    seen, ours = run(context, READ, [image], at), trilinear([image], at[..., 0], at[..., 1], at[..., 2], LLVMPIPE)
+    assert np.isnan(ours).any()
+    assert np.array_equal(seen, ours, equal_nan=True)
+
+
+# Powers of two: only there are the driver's own coordinates exact.
+@every_type
+@pytest.mark.parametrize("shape", [(64, 64), (16, 128), (2, 32)])
+def test_generated_mipmaps_of_even_sizes(context, dtype, shape):
+    ours = generate_mipmaps(texels(shape, dtype), LLVMPIPE)
+    seen = shader.generated(context, ours[0])
+    assert len(seen) == len(ours)
+    for a, b in zip(seen, ours, strict=True):
+        assert a.shape == b.shape
+        assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("shape", [(37, 53), (7, 64), (101, 3), (96, 48)])
+def test_generated_mipmaps_of_other_sizes(context, shape):
+    image = np.random.default_rng(34).random((*shape, 4), dtype=np.float32)
+    ours = generate_mipmaps(image, LLVMPIPE)
+    seen = shader.generated(context, image)
+    worst = max(np.abs(a - b).max() for a, b in zip(seen, ours, strict=True))
+    print(f"{shape}: {worst:.1e}")
+    # The driver's coordinates come out of a rasterised rectangle, with about four roundings (interpolation twice, times
+    # the size, minus 1/2) of a number up to 101, 2^-18 each; neighbours differ by up to 1.
+    assert worst <= 1.6e-5
