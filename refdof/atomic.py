@@ -12,7 +12,7 @@ from pathlib import Path
 
 from refdof._check import InputError
 
-__all__ = ["atomic_path", "write_text"]
+__all__ = ["atomic_path", "check_folder", "write_text"]
 
 
 @contextmanager
@@ -61,3 +61,18 @@ def write_text(target: str | os.PathLike[str], text: str, argument: str = "out")
 def _unwritable(argument: str, target: object, error: Exception) -> InputError:
     reason = getattr(error, "strerror", None) or str(error)
     return InputError(f"{argument}: cannot write {str(target)!r} ({reason}); allowed is a path that can be written")
+
+
+def check_folder(folder: str | os.PathLike[str], argument: str = "out") -> None:
+    """Raise before a long run if `folder` cannot be made or written to; makes nothing.
+
+    Raises
+    ------
+    InputError
+        If its nearest existing parent is no folder, or is not writable.
+    """
+    nearest = Path(folder).absolute()
+    while not nearest.exists() and nearest != nearest.parent:
+        nearest = nearest.parent
+    if not nearest.is_dir() or not os.access(nearest, os.W_OK):
+        raise InputError(f"{argument}: got {str(folder)!r}, but {nearest} is not a writable folder")

@@ -19,6 +19,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
+from refdof.atomic import check_folder
 from refdof.camera import Camera
 from refdof.compare import compare as compare_scene
 from refdof.image_file import SUFFIXES, save_image
@@ -98,6 +99,7 @@ def render(
     _use_threads(threads)
     if output.suffix not in SUFFIXES:
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
+    check_folder(output.parent, "output")
     params = dict(_setting(text) for text in settings or [])
     make_params(method, params)
     loaded, camera, lens = _shot(scene, size, lens_radius, focus)
@@ -129,6 +131,7 @@ def compare(
 ) -> None:
     """Compare methods with the reference: table, pictures and a report. A parameter is set with method.key=value."""
     _use_threads(threads)
+    check_folder(out)
     names = methods.split(",") if methods is not None else list(METHODS)
     params = _settings_by_method(settings or [], names)
     comparisons = []

@@ -86,6 +86,10 @@ def test_bad_input_from_a_shell():
         (["compare", "fence", "--samples", "0"], "samples: got 0; allowed is a whole number in 1"),
         (["compare", "fence", "--tolerance", "0"], "tolerance: got 0; allowed is a finite number > 0"),
         (["compare", "fence", "--seed", "-1"], "seed: got -1"),
+        (
+            ["compare", "fence", "--out", "/dev/null/x"],
+            "out: got '/dev/null/x', but /dev/null",
+        ),
         (["compare", "fence", "--threads", "0"], "threads: got 0"),
         (["compare", "fence", "--set", "samples=3"], "set: got 'samples=3'; allowed are accumulation.KEY=VALUE"),
         (["compare", "fence", "--set", "accumulation.sample=3"], "did you mean 'samples'"),
