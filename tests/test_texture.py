@@ -3,16 +3,17 @@
 import math
 from fractions import Fraction
 
+import naive_texture as naive
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import naive_texture as naive
 from refdof._check import InputError
+from refdof.raster.filters import fused_multiply_add
 from refdof.raster.gpu_model import D3D11, EXACT, LLVMPIPE
 from refdof.raster.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
-from refdof.raster.texture import bilinear, fetch, fused_multiply_add, level_of_detail, trilinear
+from refdof.raster.texture import bilinear, fetch, level_of_detail, trilinear
 
 SHAPES = [(1, 1), (1, 7), (5, 3), (8, 8)]
 every_model = pytest.mark.parametrize("model", [EXACT, LLVMPIPE, D3D11], ids=["exact", "llvmpipe", "d3d11"])
@@ -64,7 +65,7 @@ def test_eight_bits_of_weight(model):
 
 def test_integers_by_hand():
     image = np.array([[[10], [20]], [[50], [91]]], dtype=np.uint8)
-    # x, y = 1 and 1: weights 128. 10 + (1280 + 128 >> 8) = 15; 50 + (5248 + 128 >> 8) = 71; 15 + (7168 + 128 >> 8) = 43.
+    # Both weights are 128: 10 + (1280 + 128 >> 8) = 15; 50 + (5248 + 128 >> 8) = 71; 15 + (7168 + 128 >> 8) = 43.
     assert bilinear(image, 0.5, 0.5, LLVMPIPE) == np.float32(43) * np.float32(1 / 255)
     assert bilinear(image, 0.5, 0.5, EXACT) == pytest.approx((10 + 20 + 50 + 91) / 4 / 255, rel=3e-7)
     # the next level is the same 43; level 0 at texel (0, 0) is 10; 0.75 of 256 is 192: 10 + (6336 + 128 >> 8) = 35
@@ -102,6 +103,13 @@ def test_fetch():
 short = st.floats(width=32, min_value=-(2.0**60), max_value=2.0**60)
 
 
+@every_model
+def test_no_points(model):
+    image = noise((2, 3), np.float32)
+    assert fetch(image, np.zeros(0, dtype=int), 0, model).shape == (0, 3)
+    assert trilinear([image], np.zeros((0, 4)), 0.5, 0.0, model).shape == (0, 4, 3)
+
+
 @given(short, short, short)
 def test_fused_rounds_once(x, y, z):
     got = fused_multiply_add(np.float32(x), np.float32(y), np.float32(z))
@@ -125,7 +133,7 @@ def test_level_of_detail():
     assert np.allclose(level_of_detail(squared, LLVMPIPE), [0, 1, 0.5625, 1.5625, 2.83265625], rtol=1e-15)
 
 
-@pytest.mark.parametrize("shape", SHAPES + [(6, 64), (13, 9)])
+@pytest.mark.parametrize("shape", [*SHAPES, (6, 64), (13, 9)])
 def test_sizes_of_chains(shape):
     image = noise(shape)
     for levels in (generate_mipmaps(image), box_mipmaps(image), gaussian_mipmaps(image)):
@@ -182,6 +190,8 @@ def test_gaussian_keeps_a_constant(dtype):
         (lambda: trilinear([noise((2, 2)), noise((1, 1), np.float32)], 0, 0, 0), "levels"),
         (lambda: fetch(noise((2, 2)), 0.5, 0), "x: got float64"),
         (lambda: fetch(noise((2, 2)), [0, 1], [0, 1, 1]), "x, y: got shapes"),
+        (lambda: fetch(noise((2, 2)), [[0], [1, 2]], 0), "x: expected numbers"),
+        (lambda: bilinear(noise((2, 2)), 0, [[0], [1, 2]]), "v: expected numbers"),
         (lambda: level_of_detail(0.0), "squared"),
         (lambda: gaussian_mipmaps(noise((2, 2)), std=0), "std"),
         (lambda: box_mipmaps(np.ones((2, 2, 1), dtype=np.uint8)), "image: got uint8"),

@@ -1,4 +1,6 @@
-"""Mip chains: as a driver makes them, by a 2 x 2 box, and by a 3 x 3 Gaussian. Each level has half the size, at least 1.
+"""Mip chains: as a driver makes them, by a 2 x 2 box, and by a 3 x 3 Gaussian.
+
+Each level has half the size of the one before, rounded down, and at least 1.
 
 References
 ----------
@@ -50,9 +52,23 @@ def generate_mipmaps(image: Any, model: GpuModel = EXACT) -> list[Any]:
 
 
 def box_mipmaps(image: Any) -> list[Float]:
-    """Means of 2 x 2 texels: list of (h, w, C), the image (H, W, C), float32 or float64, first.
+    """Means of 2 x 2 texels.
 
     The last row or column of an odd size has no part; one of size 1 counts twice.
+
+    Parameters
+    ----------
+    image : (H, W, C) float32 or float64
+
+    Returns
+    -------
+    list of (h, w, C) of the image's type
+        The image itself first, 1 x 1 last.
+
+    Raises
+    ------
+    InputError
+        If the image is not a texture of floats.
     """
     levels = [_as_floats(image)]
     while max(levels[-1].shape[:2]) > 1:
@@ -60,7 +76,8 @@ def box_mipmaps(image: Any) -> list[Float]:
         height, width = _half(fine)
         down, right = int(fine.shape[0] > 1), int(fine.shape[1] > 1)
         a, b, c, d = (
-            fine[y : y + 2 * height : 2, x : x + 2 * width : 2] for y, x in ((0, 0), (0, right), (down, 0), (down, right))
+            fine[y : y + 2 * height : 2, x : x + 2 * width : 2]
+            for y, x in ((0, 0), (0, right), (down, 0), (down, right))
         )
         levels.append(((a + b) + (c + d)) / fine.dtype.type(4))
     return levels

@@ -10,42 +10,16 @@ References
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float
-from refdof._jit import inline, kernel, prange
+from refdof._jit import kernel, prange
+from refdof.raster.filters import bilinear_at, lerp, rules_of
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
 
-__all__ = [
-    "Rules",
-    "as_texture",
-    "at_texels",
-    "bilinear",
-    "bilinear_at",
-    "fetch",
-    "fused_multiply_add",
-    "level_of_detail",
-    "lerp",
-    "rules_of",
-    "split",
-    "texel_at",
-    "trilinear",
-]
-
-
-class Rules(NamedTuple):
-    """What kernels need to know of a `GpuModel`."""
-
-    strict: bool
-    fused: bool
-    flush: bool
-
-
-def rules_of(model: GpuModel) -> Rules:
-    """The rules that kernels take."""
-    return Rules(model.strict_weights, model.fused_lerp, model.flush_denormals)
+__all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "split", "trilinear"]
 
 
 def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
@@ -57,10 +31,11 @@ def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
         If the image is not a texture, or x and y are not integers or do not fit each other.
     """
     image = _decoded(as_texture("image", image, model), model)
-    x, y = _matched("x", x, "y", y)
     for name, value in (("x", x), ("y", y)):
-        if not np.issubdtype(value.dtype, np.integer):
-            raise InputError(f"{name}: got {value.dtype}; allowed are integers")
+        _shape(name, value)
+        if not np.issubdtype(np.asarray(value).dtype, np.integer):
+            raise InputError(f"{name}: got {np.asarray(value).dtype}; allowed are integers")
+    x, y = _matched(x=np.asarray(x), y=np.asarray(y))
     height, width, channels = image.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     out = np.zeros((*x.shape, channels), dtype=image.dtype)
@@ -79,7 +54,7 @@ def bilinear(image: Any, u: Any, v: Any, model: GpuModel = EXACT, border: Any = 
         Finite; 0 .. 1 spans the image. float64 with `EXACT`, else float32.
     model : GpuModel
     border : (C,) or None
-        Colour outside the image; None repeats the edge.
+        Colour outside the image, cut to 0 .. 1 for uint8; None repeats the edge.
 
     Returns
     -------
@@ -119,6 +94,11 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     ------
     InputError
         As `bilinear`; also if there is no level, or types or channels differ.
+
+    Notes
+    -----
+    At a whole level the next one is not read. (llvmpipe does read it if a pixel beside needs it: with infinite texels
+    the result at whole levels then depends on the neighbours.)
     """
     images = [as_texture(f"levels[{k}]", level, model) for k, level in enumerate(levels)]
     if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
@@ -145,7 +125,7 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     else:
         weight = (lod - level).astype(parts[0].dtype)
         out = np.where((weight > 0)[:, None], _blend(*parts, weight, rules_of(model)), parts[0])
-    return out.reshape(*shape, -1)
+    return out.reshape(*shape, images[0].shape[2])
 
 
 def level_of_detail(squared: Any, model: GpuModel = EXACT) -> Float:
@@ -158,7 +138,7 @@ def level_of_detail(squared: Any, model: GpuModel = EXACT) -> Float:
     model : GpuModel
         With `linear_log2`, log2(m 2^e) is e + m - 1 for 1 <= m < 2: up to 0.043 too low.
     """
-    squared = as_float("squared", squared, np.shape(squared))
+    squared = as_float("squared", squared, _shape("squared", squared))
     if not (squared > 0).all():
         raise InputError(f"squared: smallest value is {squared.min():g}; allowed are values > 0")
     if not model.linear_log2:
@@ -186,88 +166,26 @@ def at_texels(image: Any, x: Float, y: Float, model: GpuModel, border: Any = Non
     if image.dtype == np.uint8 and model.integer_unorm8 and border is None:
         whole = _filter_bytes(image, _fixed(x, width).ravel(), _fixed(y, height).ravel())
         return decode_unorm(whole, 255, model).reshape(*x.shape, channels)
-    image = _decoded(image, model)
-    column, right = split(x, width, model)
-    row, below = split(y, height, model)
+    if image.dtype == np.uint8:
+        image, colour = _decoded(image, model), np.clip(colour, 0.0, 1.0)
+    column, right = split(x, width, model, border is not None)
+    row, below = split(y, height, model, border is not None)
     places = column.ravel(), row.ravel(), right.ravel().astype(image.dtype), below.ravel().astype(image.dtype)
     out = _filter(image, *places, colour.astype(image.dtype), border is not None, rules_of(model))
     return out.reshape(*x.shape, channels)
 
 
-def split(x: Float, size: int, model: GpuModel) -> tuple[Index, Float]:
-    """The first of two texels (-1 .. size) that x [texels from the corner] lies between, and the second's weight."""
+def split(x: Float, size: int, model: GpuModel, bordered: bool) -> tuple[Index, Float]:
+    """The first of two texels that x [texels from the corner] lies between, and the weight of the second.
+
+    Without a border the first is in 0 .. size - 1: beyond the first centre the second texel has weight 0, but is read.
+    """
     own = x.dtype.type
-    centred = np.clip(x - own(0.5), own(-1), own(size))  # further out every texel is the edge or the border
+    centred = np.clip(x - own(0.5), own(-1 if bordered else 0), own(size if bordered else size - 1))
     if model.filter_bits:
         centred = np.floor(centred * own(256) + own(0.5)) / own(256)
     first = np.floor(centred)
     return first.astype(np.int64), centred - first
-
-
-@inline
-def lerp(a, b, w, rules):
-    """a + (b - a) w, all of one type."""
-    if rules.strict:
-        if w == 0 or a == b:
-            return a
-        if w == 1:
-            return b
-        if np.isinf(b - a):  # infinite texels, or a difference beyond the type
-            return a * (w / w - w) + b * w  # w / w: a one of the same type
-        return a + (b - a) * w
-    if rules.flush:
-        a, b, w = _flush(a), _flush(b), _flush(w)
-        difference = _flush(b - a)
-        if rules.fused:
-            return _flush(fused_multiply_add(difference, w, a))
-        return _flush(a + _flush(difference * w))
-    if rules.fused:
-        return fused_multiply_add(b - a, w, a)
-    return a + (b - a) * w
-
-
-@inline
-def fused_multiply_add(x, y, z):
-    """x y + z of float32, rounded once.
-
-    The product is exact in float64. The sum is rounded to float64 and then to float32, which goes wrong only where the
-    first result lies midway between two float32 and was itself rounded: then what it lost decides.
-    """
-    product = np.float64(x) * np.float64(y)
-    wide = product + np.float64(z)
-    near = np.float32(wide)
-    back = wide - product
-    lost = (product - (wide - back)) + (np.float64(z) - back)
-    if lost == 0 or not np.isfinite(near) or wide == np.float64(near):
-        return near
-    other = np.nextafter(near, np.float32(np.inf) if wide > np.float64(near) else np.float32(-np.inf))
-    if 0.5 * (np.float64(near) + np.float64(other)) == wide and (lost > 0) == (other > near):
-        return other
-    return near
-
-
-@inline
-def _flush(x):
-    """0 of the same sign for a float32 below 2^-126."""
-    return np.float32(np.copysign(0.0, x)) if abs(x) < 1.1754943508222875e-38 else x
-
-
-@inline
-def texel_at(image, x, y, c, border, bordered):
-    """Channel c of texel (x, y); outside, the border's colour (C,) or the edge's."""
-    height, width = image.shape[0], image.shape[1]
-    if bordered and (x < 0 or y < 0 or x >= width or y >= height):
-        return border[c]
-    return image[min(max(y, 0), height - 1), min(max(x, 0), width - 1), c]
-
-
-@inline
-def bilinear_at(image, x, y, wx, wy, c, border, bordered, rules):
-    """Channel c between texels (x, y) and (x + 1, y + 1); weights have the image's type."""
-    a = lerp(texel_at(image, x, y, c, border, bordered), texel_at(image, x + 1, y, c, border, bordered), wx, rules)
-    y = y + 1
-    b = lerp(texel_at(image, x, y, c, border, bordered), texel_at(image, x + 1, y, c, border, bordered), wx, rules)
-    return lerp(a, b, wy, rules)
 
 
 @kernel
@@ -315,19 +233,22 @@ def _decoded(image: Any, model: GpuModel) -> Float:
     return decode_unorm(image, 255, model) if image.dtype == np.uint8 else image
 
 
-def _matched(first: str, x: Any, second: str, y: Any) -> Any:
-    try:
-        return np.broadcast_arrays(x, y)
-    except ValueError:
-        raise InputError(f"{first}, {second}: got shapes {np.shape(x)} and {np.shape(y)}; they must match") from None
-
-
 def _coordinates(model: GpuModel, **values: Any) -> list[Float]:
     """Finite arrays of one shape, in the type in which `model` computes coordinates."""
     dtype = np.float64 if model == EXACT else np.float32
-    arrays = [as_float(name, value, np.shape(value), dtype=dtype) for name, value in values.items()]
+    return _matched(**{name: as_float(name, v, _shape(name, v), dtype=dtype) for name, v in values.items()})
+
+
+def _matched(**arrays: Any) -> list[Any]:
     try:
-        return list(np.broadcast_arrays(*arrays))
+        return list(np.broadcast_arrays(*arrays.values()))
     except ValueError:
-        shapes = ", ".join(str(a.shape) for a in arrays)
-        raise InputError(f"{', '.join(values)}: got shapes {shapes}; they must match") from None
+        shapes = ", ".join(str(a.shape) for a in arrays.values())
+        raise InputError(f"{', '.join(arrays)}: got shapes {shapes}; they must match") from None
+
+
+def _shape(name: str, value: Any) -> tuple[int, ...]:
+    try:
+        return np.shape(value)
+    except ValueError:  # rows of different lengths
+        raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None

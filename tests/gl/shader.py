@@ -10,7 +10,18 @@ from typing import Any
 import moderngl
 import numpy as np
 
-__all__ = ["GLMissing", "Pass", "chain_of", "draw", "generated", "new_pass", "open_context", "read", "stored", "texture_of"]
+__all__ = [
+    "GLMissing",
+    "Pass",
+    "chain_of",
+    "draw",
+    "generated",
+    "new_pass",
+    "open_context",
+    "read",
+    "stored",
+    "texture_of",
+]
 
 _MESA = {"EGL_PLATFORM": "surfaceless", "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
 

@@ -1,12 +1,13 @@
 """Texture filters and mip chains against Mesa's llvmpipe."""
 
+import moderngl
 import numpy as np
 import pytest
 
 from gl import shader
 from refdof.raster.gpu_model import LLVMPIPE
 from refdof.raster.mipmap import generate_mipmaps
-from refdof.raster.texture import bilinear, fetch, trilinear
+from refdof.raster.texture import bilinear, fetch, level_of_detail, trilinear
 
 pytestmark = pytest.mark.gl
 
@@ -121,13 +122,53 @@ def test_a_chain_of_reads(context, dtype):
     assert_same(run(context, CHAIN, levels, at), there + back * a[..., 3:])
 
 
-def test_infinite_texels_and_nan(context):
-    image = texels((16, 16), np.float32)
-    image[3, 4:7], image[9, 9], image[12, 2] = np.inf, -np.inf, np.nan
+@pytest.mark.parametrize("level", [0.0, 2.0, 0.25, 1.75])
+def test_infinite_texels_and_nan(context, level):
+    levels = [texels((16 >> k, 16 >> k), np.float32, seed=k) for k in range(4)]
+    for image in levels[:3]:
+        image[1, 1:3], image[3, 2], image[2, 2], image[0, 0] = np.inf, -np.inf, np.nan, -np.inf
     at = places()
-    seen, ours = run(context, READ, [image], at), trilinear([image], at[..., 0], at[..., 1], at[..., 2], LLVMPIPE)
+    at[..., 2] = level
+    ours = trilinear(levels, at[..., 0], at[..., 1], at[..., 2], LLVMPIPE)
     assert np.isnan(ours).any()
-    assert np.array_equal(seen, ours, equal_nan=True)
+    assert np.array_equal(run(context, READ, levels, at), ours, equal_nan=True)
+
+
+@every_type
+def test_a_border(context, dtype):
+    levels = generate_mipmaps(texels((37, 53), dtype), LLVMPIPE)
+    at, color = places(), (0.2, -1.5, 30.0, 0.25)
+    sampler = context.sampler(filter=(moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR))
+    sampler.border_color = color
+    sampler.use(0)
+    try:
+        seen = run(context, READ, levels, at)
+    finally:
+        sampler.clear(0)
+    assert_same(seen, trilinear(levels, at[..., 0], at[..., 1], at[..., 2], LLVMPIPE, border=color))
+
+
+def test_level_of_detail(context):
+    levels = [np.full((256 >> k, 256 >> k, 4), k, dtype=np.float32) for k in range(9)]  # a read gives its own level
+    read = (
+        "#version 330\nuniform sampler2D image; uniform vec4 d; out vec4 c;"
+        "void main() { c = texture(image, vec2(dot(gl_FragCoord.xy, d.xy), dot(gl_FragCoord.xy, d.zw))); }"
+    )
+    work = shader.new_pass(context, read, (4, 4))
+    texture = shader.chain_of(context, levels)
+    for ux, uy, vx, vy in [
+        (3, 0, 0, 1),
+        (1.5, 0, 0, 1.5),
+        (7.3, 0, 1, 2),
+        (1, 1, -1, 1),
+        (2, 40, 0, 33),
+        (200, 0, 0, 1),
+    ]:
+        shader.draw(work, {"image": texture}, d=(ux / 256, uy / 256, vx / 256, vy / 256))
+        ours = level_of_detail(max(ux * ux + vx * vx, uy * uy + vy * vy), LLVMPIPE)
+        # Derivatives are differences of coordinates of at most seven footprints, with two roundings each: relative
+        # 14 x 2^-23, of which log2 makes at most 1.5 times that; levels up to 8 are rounded to 2^-21.
+        assert np.abs(shader.read(work) - ours).max() <= 4e-6
 
 
 # Powers of two: only there are the driver's own coordinates exact.
