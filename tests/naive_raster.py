@@ -82,13 +82,17 @@ def draw(vertices, faces, camera, bits=8):
 
 
 def near_an_edge(vertices, faces, camera, reach):
-    """(H, W) bool: pixels whose centre is within `reach` px of an edge of any face, all in front of the eye."""
-    x, y, z = vertices.T
-    scale = camera.pixels_per_tangent / -z
-    place = np.stack([camera.width / 2 + x * scale - 0.5, camera.height / 2 - y * scale - 0.5], axis=1)
+    """(H, W) bool: pixels whose centre is within `reach` px of a visible edge of any face, hidden by others or not."""
     edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    # Of an edge that passes the eye's plane, take the part in front.
+    near = 1e-6 * np.abs(vertices).max()
+    edges = edges[(vertices[edges, 2] < -near).any(axis=1)]
+    start, end = vertices[edges[:, 0]], vertices[edges[:, 1]]
+    swap = start[:, 2] > end[:, 2]
+    start[swap], end[swap] = end[swap], start[swap]  # `start` is the farther one
+    part = np.minimum(1.0, (-near - start[:, 2]) / np.maximum(end[:, 2] - start[:, 2], 1e-300))
+    a, b = _place(start, camera), _place(start + part[:, None] * (end - start), camera)
     mask = np.zeros((camera.height, camera.width), dtype=bool)
-    a, b = place[edges[:, 0]], place[edges[:, 1]]
     last = np.array([camera.width - 1, camera.height - 1])
     first_cell = np.maximum(np.ceil(np.minimum(a, b) - reach), 0).astype(int)
     last_cell = np.minimum(np.floor(np.maximum(a, b) + reach), last).astype(int)
@@ -99,3 +103,10 @@ def near_an_edge(vertices, faces, camera, reach):
         t = np.clip((px * along[0] + py * along[1]) / max(along @ along, 1e-300), 0.0, 1.0)
         mask[rows, columns] |= np.hypot(px - t * along[0], py - t * along[1]) <= reach
     return mask
+
+
+def _place(points, camera):
+    """Camera-space points (N, 3) in front of the eye as (N, 2) px from the centre of pixel (0, 0), y down."""
+    x, y, z = points.T
+    scale = camera.pixels_per_tangent / -z
+    return np.stack([camera.width / 2 + x * scale - 0.5, camera.height / 2 - y * scale - 0.5], axis=1)

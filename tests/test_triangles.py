@@ -35,12 +35,21 @@ def soup(random, count, step):
 
 
 def cover_counts(vertices, faces, camera=CAMERA, signed=False):
-    """How many faces cover each pixel; `signed`: those that turn one way less those that turn the other."""
-    counts = np.zeros((camera.height, camera.width), dtype=int)
-    for face in faces:
-        weight = naive.turn([naive.on_grid(vertices[v], camera) for v in face]) if signed else 1
-        counts += weight * (rasterize(vertices, face[None], camera).triangle == 0)
-    return counts
+    """How many faces cover each pixel; `signed`: those that turn one way less those that turn the other.
+
+    Every face is moved behind the one before by a power of two, which moves no corner on the picture; then peeled.
+    """
+    turns = [naive.turn([naive.on_grid(vertices[v], camera) for v in face]) for face in faces]
+    weights = np.array([*turns, 0] if signed else [1] * len(faces) + [0])  # the last one: no face
+    apart = (vertices[faces] * 8.0 ** np.arange(len(faces))[:, None, None]).reshape(-1, 3)
+    alone = np.arange(len(apart)).reshape(-1, 3)
+    counts, previous = np.zeros((camera.height, camera.width), dtype=int), None
+    while True:
+        layer = rasterize(apart, alone, camera, near=1e-3, previous_depth=previous)
+        if (layer.triangle < 0).all():
+            return counts
+        counts += weights[layer.triangle]
+        previous = layer.depth
 
 
 @pytest.mark.parametrize("step", [0.5, 0.25, 1 / 256, 1 / 512, 1e-6])
@@ -104,7 +113,7 @@ def test_a_fan_round_a_pixel_centre_covers_it_once(x, y, count, start):
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.booleans())
 def test_a_sphere_is_entered_as_often_as_left(x, y, on_centres):
     sphere = trimesh.creation.icosphere(subdivisions=1)
-    vertices = sphere.vertices + (x, y, -3.0)
+    vertices = sphere.vertices + np.array([x, y, -3.0])
     if on_centres:
         pixels = np.array([naive.on_grid(v, CAMERA) for v in vertices]) // 256 + 0.5
         vertices = placed(pixels, -vertices[:, 2])
@@ -121,8 +130,8 @@ def crossing(count):
 
 
 def test_cut_at_the_near_plane():
-    camera = CAMERA.with_size((48, 36))
-    vertices, faces = crossing(40)
+    camera = CAMERA.with_size((32, 24))
+    vertices, faces = crossing(15)
     compared = 0
     for face in faces:
         ours = rasterize(vertices, face[None], camera, near=1.0)
@@ -137,7 +146,7 @@ def test_cut_at_the_near_plane():
             if inside:
                 np.testing.assert_allclose(ours.depth[y, x], t, rtol=1e-12)  # some hundred roundings
                 np.testing.assert_allclose(ours.barycentric[y, x], (u, v), atol=1e-11)
-    assert compared > 1000
+    assert compared > 200
 
 
 def test_a_floor_under_the_eye_reaches_far_beyond_the_picture():
@@ -206,8 +215,6 @@ def test_cast_rays_agree_away_from_edges(name):
     scene = load_scene(name)
     view = View(scene, scene.camera.with_size((160, 120)), scene.lens)
     vertices, faces = view.triangles()
-    front = (vertices[faces][..., 2] < 0).all(axis=1)
-    assert front.all()
     rays = view.layers(2)
     # Two surfaces at one depth: float64 rounds either nearer.
     tie = rays.depth[1] - rays.depth[0] < 1e-12 * rays.depth[0]

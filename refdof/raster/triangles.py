@@ -174,8 +174,8 @@ def _plane(vertices, face, near, plane):
     ex, ey, ez, fx, fy, fz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
     plane[9], plane[10] = -1.0 / min(az, bz, cz), -1.0 / min(max(az, bz, cz), -near)
     plane[0], plane[1], plane[2] = fy * ez - fz * ey, fz * ex - fx * ez, fx * ey - fy * ex
-    plane[3], plane[4], plane[5] = az * fy - ay * fz, ax * fz - az * fx, ay * fx - ax * fy
-    plane[6], plane[7], plane[8] = ay * ez - az * ey, az * ex - ax * ez, ax * ey - ay * ex
+    plane[3], plane[4], plane[5] = ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx
+    plane[6], plane[7], plane[8] = ey * az - ez * ay, ez * ax - ex * az, ex * ay - ey * ax
     volume = plane[0] * ax + plane[1] * ay + plane[2] * az
     # A triangle seen edge-on has no plane: it takes its nearest depth.
     if volume == 0.0:
