@@ -16,13 +16,16 @@ FAST = {
     "test_camera.py",
     "test_check.py",
     "test_contract.py",
+    "test_gpu_model.py",
     "test_jit.py",
     "test_lens.py",
+    "test_nbuffer.py",
     "test_owen.py",
     "test_planar.py",
     "test_rendering.py",
     "test_sampling.py",
     "test_singlepass.py",
+    "test_texture.py",
 }
 
 
