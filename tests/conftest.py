@@ -26,6 +26,7 @@ FAST = {
     "test_sampling.py",
     "test_singlepass.py",
     "test_texture.py",
+    "test_umbra.py",
 }
 
 
