@@ -18,6 +18,7 @@ from refdof.load import load_scene
 from refdof.methods import METHODS
 from refdof.reference import Reference, reference
 from refdof.rendering import Result, render
+from refdof.sampling import lens_samples
 from refdof.scene import Light, Material, Part, Scene
 from refdof.scenes import SCENES
 from refdof.view import View
@@ -38,6 +39,7 @@ __all__ = [
     "Scene",
     "ThinLens",
     "View",
+    "lens_samples",
     "load_scene",
     "metrics",
     "reference",

@@ -92,6 +92,8 @@ def render(
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="The method's parameter `seed`.")] = None,
+    samples: Annotated[int | None, typer.Option("--samples", help="The method's parameter `samples`.")] = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -101,6 +103,7 @@ def render(
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     check_folder(output.parent, "output")
     params = dict(_setting(text) for text in settings or [])
+    params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params)
     loaded, camera, lens = _shot(scene, size, lens_radius, focus)
     result = render_view(method, View(loaded, camera, lens), **params)

@@ -49,7 +49,18 @@ def test_compare_takes_files_and_several_scenes(tmp_path):
 
 def test_the_same_command_gives_the_same_picture(tmp_path):
     for threads, name in ((1, "a.npy"), (2, "b.npy")):
-        words = ("--method", "accumulation", "--size", "40x30", "--threads", str(threads), "-o", name)
+        words = (
+            "--method",
+            "accumulation",
+            "--samples",
+            "16",
+            "--size",
+            "40x30",
+            "--threads",
+            str(threads),
+            "-o",
+            name,
+        )
         done = refdof("render", "branches", *words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
@@ -105,6 +116,7 @@ def test_bad_input_from_a_shell():
         ),
         (["render", "fence", "--method", "singlepass", "--size", "20x15", "-o", "/proc/no/a.png"], "out"),
         (["render", "fence", "--method", "singlepass"], "Missing option"),
+        (["render", "fence", "--method", "singlepass", "--samples", "4", "-o", "a.png"], "singlepass: got 'samples'"),
         (["rendr"], "No such command 'rendr'"),
         (["compare", "fence", "--frobnicate"], "No such option"),
     ],
