@@ -19,7 +19,7 @@ def unseen(samples):
     return 10.0 / samples
 
 
-def close(result, truth, bias=0.0):
+def assert_close(result, truth, bias=0.0):
     """Assert that a picture is the grey `truth` (H, W) within its error bars and a known bias."""
     error = np.abs(result.image - truth[..., None])
     room = T * result.standard_error + unseen(result.samples)[..., None] + bias + ROUNDING
@@ -73,7 +73,7 @@ def test_half_plane(depth, focus, radius, background):
     scene = stage.scene_of([near], shot, background=(background,) * 3)
     coc = abs(p * radius * (1 / focus - 1 / depth))
     share = half_disc((edge - stage.tangents(32, 4, p)[0] * p) / coc)
-    close(refdof.reference(scene, shot, lens, samples=1024), share + background * (1.0 - share))
+    assert_close(refdof.reference(scene, shot, lens, samples=1024), share + background * (1.0 - share))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -110,7 +110,7 @@ def test_slit(depth, focus):
     x = stage.tangents(24, 3, p)[0] * p
     share = half_disc((right - x) / coc) - half_disc((left - x) / coc)
     scene = stage.scene_of(walls, shot, background=(1.0,) * 3)
-    close(refdof.reference(scene, shot, lens, samples=1024), share)
+    assert_close(refdof.reference(scene, shot, lens, samples=1024), share)
 
 
 @pytest.mark.parametrize(("depth", "focus"), [(1.0, 1.6), (2.5, 1.0)])
@@ -134,7 +134,7 @@ def test_round_hole(depth, focus, hole):
     share = np.vectorize(two_discs)(np.hypot(x, y) * p, coc, hole) / (np.pi * coc * coc)
     # The polygon leaves its circle by less than (pi / n)^2 / 2 = 1e-5 of the radius, and only for the sides that the
     # lens disc cuts does it not even out: 2 of 720 sides. Circles that touch along their whole length are left out.
-    close(refdof.reference(scene, shot, lens, samples=1024), share)
+    assert_close(refdof.reference(scene, shot, lens, samples=1024), share)
 
 
 def slanted(slope, radius, focus):
