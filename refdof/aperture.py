@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_integer, as_number
-from refdof._jit import inline
+from refdof._jit import inline, kernel, prange
 
 __all__ = ["Aperture", "concentric_disc"]
 
@@ -108,7 +108,7 @@ class Aperture:
             following = self.boundary[(k + 1) % len(self.boundary)]
             points = r * ((1.0 - along) * self.boundary[k] + along * following)
         else:
-            points = np.array([concentric_disc(u, v) for u, v in square]).reshape(-1, 2)
+            points = _concentric_discs(square)
         return points * np.asarray(self.scale)
 
     def transmission(self, points: Float) -> Float:
@@ -121,6 +121,15 @@ class Aperture:
         column = np.clip(((x + 1.0) / 2.0 * width).astype(np.int64), 0, width - 1)
         row = np.clip(((1.0 - y) / 2.0 * height).astype(np.int64), 0, height - 1)
         return self.weights[row, column]
+
+
+@kernel
+def _concentric_discs(square):
+    """`concentric_disc` of points (N, 2)."""
+    points = np.empty_like(square)
+    for k in prange(len(square)):
+        points[k, 0], points[k, 1] = concentric_disc(square[k, 0], square[k, 1])
+    return points
 
 
 @inline

@@ -11,7 +11,7 @@ import math
 from refdof._jit import inline
 from refdof.scene import SHADINGS
 
-__all__ = ["shade", "shading_normal"]
+__all__ = ["lit", "shade", "shading_normal", "surface_color"]
 
 _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 
@@ -19,9 +19,23 @@ _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 @inline
 def shade(surfaces, face, u, v, dx, dy, dz):
     """Linear RGB that leaves barycentrics (u, v) of a triangle against the ray direction (dx, dy, dz)."""
-    material = surfaces.face_material[face]
-    a = surfaces.attribute
-    w = 1.0 - u - v
+    material, w = surfaces.face_material[face], 1.0 - u - v
+    red, green, blue = surface_color(surfaces, face, w, u, v)
+    if surfaces.shading[material] != _UNLIT:
+        nx, ny, nz = shading_normal(surfaces, face, w, u, v, dx, dy, dz)
+        shininess = surfaces.shininess[material]
+        sr = sg = sb = 0.0
+        if surfaces.shading[material] == _PHONG:
+            sr, sg, sb = surfaces.specular[material, 0], surfaces.specular[material, 1], surfaces.specular[material, 2]
+        red, green, blue = lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess)
+    emission = surfaces.emission
+    return red + emission[material, 0], green + emission[material, 1], blue + emission[material, 2]
+
+
+@inline
+def surface_color(surfaces, face, w, u, v):
+    """Albedo at barycentrics (w, u, v): base colour times vertex colour times texture."""
+    material, a = surfaces.face_material[face], surfaces.attribute
     red = surfaces.base_color[material, 0] * (w * a[face, 0] + u * a[face, 3] + v * a[face, 6])
     green = surfaces.base_color[material, 1] * (w * a[face, 1] + u * a[face, 4] + v * a[face, 7])
     blue = surfaces.base_color[material, 2] * (w * a[face, 2] + u * a[face, 5] + v * a[face, 8])
@@ -30,10 +44,7 @@ def shade(surfaces, face, u, v, dx, dy, dz):
         t = w * a[face, 10] + u * a[face, 12] + v * a[face, 14]
         tr, tg, tb = _texel(surfaces.texels, surfaces.texture[material], s, t)
         red, green, blue = red * tr, green * tg, blue * tb
-    if surfaces.shading[material] != _UNLIT:
-        red, green, blue = _lit(surfaces, material, face, w, u, v, dx, dy, dz, red, green, blue)
-    emission = surfaces.emission
-    return red + emission[material, 0], green + emission[material, 1], blue + emission[material, 2]
+    return red, green, blue
 
 
 @inline
@@ -58,26 +69,24 @@ def shading_normal(surfaces, face, w, u, v, dx, dy, dz):
 
 
 @inline
-def _lit(surfaces, material, face, w, u, v, dx, dy, dz, red, green, blue):
-    """Albedo times irradiance, plus what a Phong surface mirrors."""
-    nx, ny, nz = shading_normal(surfaces, face, w, u, v, dx, dy, dz)
+def lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess):
+    """Albedo (red, green, blue) times irradiance, plus what specular (sr, sg, sb) mirrors; n is a unit vector."""
     light = surfaces.light
     cosine = max(0.0, nx * light[0, 0] + ny * light[0, 1] + nz * light[0, 2])
     dome = 0.5 + 0.5 * (nx * light[4, 0] + ny * light[4, 1] + nz * light[4, 2])
     red *= light[1, 0] * cosine + light[3, 0] + (light[2, 0] - light[3, 0]) * dome
     green *= light[1, 1] * cosine + light[3, 1] + (light[2, 1] - light[3, 1]) * dome
     blue *= light[1, 2] * cosine + light[3, 2] + (light[2, 2] - light[3, 2]) * dome
-    if surfaces.shading[material] == _PHONG:
+    if sr > 0.0 or sg > 0.0 or sb > 0.0:
         twice = -2.0 * (nx * dx + ny * dy + nz * dz)
         rx, ry, rz = dx + twice * nx, dy + twice * ny, dz + twice * nz
         length = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
         rx, ry, rz = rx * length, ry * length, rz * length
-        lobe = max(0.0, rx * light[0, 0] + ry * light[0, 1] + rz * light[0, 2]) ** surfaces.shininess[material]
+        lobe = max(0.0, rx * light[0, 0] + ry * light[0, 1] + rz * light[0, 2]) ** shininess
         er, eg, eb = _environment(surfaces, rx, ry, rz)
-        specular = surfaces.specular
-        red += specular[material, 0] * (light[1, 0] * lobe + er)
-        green += specular[material, 1] * (light[1, 1] * lobe + eg)
-        blue += specular[material, 2] * (light[1, 2] * lobe + eb)
+        red += sr * (light[1, 0] * lobe + er)
+        green += sg * (light[1, 1] * lobe + eg)
+        blue += sb * (light[1, 2] * lobe + eb)
     return red, green, blue
 
 

@@ -80,7 +80,7 @@ class View:
 
     def surfaces(self) -> Surfaces:
         """The scene as arrays for kernels."""
-        return self._product("surfaces", lambda: surfaces_of(self.scene, self.camera))
+        return self.product("surfaces", lambda: surfaces_of(self.scene, self.camera))
 
     def tracer(self) -> Tracer:
         """Embree's acceleration structure in camera space."""
@@ -90,7 +90,7 @@ class View:
             vertices = np.ldexp(self.camera.camera_from_world(self.scene.vertices), -exponent)
             return new_tracer(vertices, self.scene.faces)
 
-        return self._product("tracer", build)
+        return self.product("tracer", build)
 
     def shot(self) -> Shot:
         """Camera and lens for kernels."""
@@ -106,7 +106,7 @@ class View:
             color[empty] = self.scene.background
             return Pinhole(color, first.depth[0])
 
-        return self._product("pinhole", build)
+        return self.product("pinhole", build)
 
     def layers(self, count: int | None = None) -> Layers:
         """The nearest `count` surfaces through the pixel centres; None: all of them."""
@@ -114,19 +114,22 @@ class View:
         def build() -> Layers:
             return peel(self.surfaces(), self.tracer(), self.shot(), count)
 
-        return self._product(f"layers {count or 'all'}", build)
+        return self.product(f"layers {count or 'all'}", build)
 
     def triangles(self) -> Triangles:
         """The triangles in camera space."""
-        vertices = self._product("triangles", lambda: self.camera.camera_from_world(self.scene.vertices))
+        vertices = self.product("triangles", lambda: self.camera.camera_from_world(self.scene.vertices))
         return Triangles(vertices, self.scene.faces)
 
     def coc_px(self) -> Float:
         """Signed circle of confusion of the pinhole's depth: (H, W) float64 [px]."""
-        return self._product("coc", lambda: self.lens.coc_px(self.pinhole().depth, self.camera))
+        return self.product("coc", lambda: self.lens.coc_px(self.pinhole().depth, self.camera))
 
-    def _product(self, name: str, build: Callable[[], Any]) -> Any:
-        """The product `name`, made now if it is not there yet."""
+    def product(self, name: str, build: Callable[[], Any]) -> Any:
+        """The product `name`, made by `build` if it is not there yet. A method's own products are booked by this, too.
+
+        The name must say all that `build` depends on besides the view.
+        """
         if name not in self._products:
             with self.booking() as book:
                 start = time.perf_counter()

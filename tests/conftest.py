@@ -13,12 +13,14 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 # Tiny pictures: seconds even where every kernel is interpreted. `make fast` and the pass with bounds checks run these.
 FAST = {
     "test_aperture.py",
+    "test_attributes.py",
     "test_camera.py",
     "test_check.py",
     "test_contract.py",
     "test_gpu_model.py",
     "test_jit.py",
     "test_lens.py",
+    "test_lens_pattern.py",
     "test_nbuffer.py",
     "test_owen.py",
     "test_planar.py",

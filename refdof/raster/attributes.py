@@ -1,0 +1,91 @@
+"""Attributes: what a layer stores so that its surfaces can be shaded later, against rays other than the pinhole's.
+
+One formula shades every material (`refdof.scene`): albedo E(n) + emission + specular (...). An unlit surface has its
+colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
+averaged, as mipmaps do.
+
+References
+----------
+.. [1] Deering et al. (1988), The Triangle Processor and Normal Vector Shader, SIGGRAPH (deferred shading).
+"""
+
+import math
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof._jit import inline, kernel, prange
+from refdof.scene import SHADINGS
+from refdof.shading import lit, shading_normal, surface_color
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+
+__all__ = ["ATTRIBUTES", "attributes_of", "shade_attributes"]
+
+# Channels: albedo (3), emission (3), normal (3, camera space, towards the viewer), specular (3), shininess.
+ATTRIBUTES = 13
+_ALBEDO, _EMISSION, _NORMAL, _SPECULAR, _SHININESS = 0, 3, 6, 9, 12
+_UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
+
+
+def attributes_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
+    """Attributes of triangles at the pixel centres.
+
+    Parameters
+    ----------
+    surfaces, shot
+    triangle : (N, H, W) int32
+        The triangle that the ray of each pixel meets; -1 is empty.
+
+    Returns
+    -------
+    (N, H, W, 13) float32
+        Zeros where empty.
+    """
+    out = np.zeros((*triangle.shape, ATTRIBUTES), dtype=np.float32)
+    _fill(surfaces, shot, triangle, out)
+    return out
+
+
+@kernel
+def _fill(surfaces, shot, triangle, out):
+    """Fill out (N, H, W, 13)."""
+    scale = 1.0 / shot.pixels_per_tangent
+    for y in prange(triangle.shape[1]):
+        own = borrow_surfaces(surfaces)
+        dy = (0.5 * shot.height - y - 0.5) * scale
+        for n in range(triangle.shape[0]):
+            for x in range(triangle.shape[2]):
+                face = triangle[n, y, x]
+                if face < 0:
+                    continue
+                dx, a = (x + 0.5 - 0.5 * shot.width) * scale, out[n, y, x]
+                material = own.face_material[face]
+                _, u, v = intersect(own.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                w = 1.0 - u - v
+                color = _EMISSION if own.shading[material] == _UNLIT else _ALBEDO
+                a[color], a[color + 1], a[color + 2] = surface_color(own, face, w, u, v)
+                a[_NORMAL], a[_NORMAL + 1], a[_NORMAL + 2] = shading_normal(own, face, w, u, v, dx, dy, -1.0)
+                for c in range(3):
+                    a[_EMISSION + c] += own.emission[material, c]
+                    if own.shading[material] == _PHONG:
+                        a[_SPECULAR + c] = own.specular[material, c]
+                a[_SHININESS] = own.shininess[material]
+
+
+@inline
+def shade_attributes(surfaces, a, dx, dy, dz):
+    """Linear RGB of a surface with attributes `a` (13,) against the ray direction (dx, dy, dz).
+
+    The normal may have any length, as averages have.
+    """
+    nx, ny, nz = a[_NORMAL], a[_NORMAL + 1], a[_NORMAL + 2]
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    if length == 0.0:  # averaged normals cancel
+        nx, ny, nz, length = -dx, -dy, -dz, math.sqrt(dx * dx + dy * dy + dz * dz)
+    scale = 1.0 / length
+    nx, ny, nz = nx * scale, ny * scale, nz * scale
+    red, green, blue = a[_ALBEDO], a[_ALBEDO + 1], a[_ALBEDO + 2]
+    sr, sg, sb, shininess = a[_SPECULAR], a[_SPECULAR + 1], a[_SPECULAR + 2], a[_SHININESS]
+    red, green, blue = lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess)
+    return red + a[_EMISSION], green + a[_EMISSION + 1], blue + a[_EMISSION + 2]
