@@ -1,0 +1,171 @@
+"""Cones of the multiview method: rays with a width, that blend what covers them front to back.
+
+1. average colours (or attributes) and coverage over squares of texels   `mip_chain`
+2. follow each cone's middle ray from hit to hit, until nothing is left  `gather_cones`
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2009), Depth-of-Field Rendering with Multiview Synthesis, Section 4.4.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.lens_pattern import LensPattern
+from refdof.methods._multiview_trace import ray_tangents
+from refdof.raster.attributes import shade_attributes
+from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
+from refdof.raster.mipmap import generate_mipmaps
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces
+
+__all__ = ["MipChain", "gather_cones", "mip_chain"]
+
+_ROWS_PER_TASK = 8
+_NOTHING_LEFT = 1e-5  # of a cone: what is still to come cannot change the picture
+
+
+class MipChain(NamedTuple):
+    """Mip levels of K layers in one list: texels (K, T, C + 1) float32, premultiplied, coverage last;
+    level (M, 3) int64: first texel, width and height of each.
+    """
+
+    texels: Float
+    level: Index
+
+
+def mip_chain(surface: Float, coc: Float, widest: float) -> MipChain:
+    """Mip levels of layers' colours or attributes (K, H, W, C), as far as cones of `widest` diameter [px] need."""
+    most = 2 + math.ceil(math.log2(max(widest, 1.0)))
+    covered = np.isfinite(coc)
+    layers, shapes = [], []
+    for values, filled in zip(surface, covered, strict=True):
+        image = np.concatenate([np.where(filled[..., None], values, 0), filled[..., None]], axis=-1)
+        levels = generate_mipmaps(image.astype(np.float32))[:most]
+        shapes = [(level.shape[1], level.shape[0]) for level in levels]
+        layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
+    first = np.cumsum([0, *(width * height for width, height in shapes)])[:-1]
+    table = np.array([(f, *shape) for f, shape in zip(first, shapes, strict=True)], dtype=np.int64).reshape(-1, 3)
+    texels = np.stack(layers) if layers else np.zeros((0, 0, surface.shape[3] + 1), dtype=np.float32)
+    return MipChain(texels, table)
+
+
+def gather_cones(
+    fields: Fields,
+    chain: MipChain,
+    widening: float,
+    pattern: LensPattern,
+    search: Search,
+    shot: Shot,
+    surfaces: Surfaces,
+    background: Any,
+) -> Float:
+    """Mean over the lens: (H, W, 3) float32. A cone at circle of confusion c has diameter widening |c| [px]."""
+    height, width = fields.coc.shape[1:]
+    out = np.empty((height, width, 3), dtype=np.float32)
+    table = tuple(float(c) for c in background)
+    points, weights = pattern.points.astype(fields.coc.dtype), pattern.weights
+
+    def band(first: int) -> None:
+        last = min(first + _ROWS_PER_TASK, height)
+        _cone_rows(
+            fields, chain, widening, points, weights, pattern.set, search, shot, surfaces, table, first, last, out
+        )
+
+    run_tasks(band, range(0, height, _ROWS_PER_TASK))
+    return out
+
+
+@tile_kernel
+def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, surfaces, background, first, last, out):
+    """Rows first .. last - 1 of out (H, W, 3)."""
+    fields, points, weights, sets = borrow_fields(fields), borrow(points), borrow(weights), borrow(sets)
+    texels, level, surfaces, out = borrow(chain.texels), borrow(chain.level), borrow_surfaces(surfaces), borrow(out)
+    layers = np.empty(len(fields.coc), dtype=np.int64)
+    found = np.empty(texels.shape[2])
+    half = points.dtype.type(0.5)
+    for y in range(first, last):
+        for x in range(out.shape[1]):
+            count, border = visit(fields, x, y, search, layers)
+            chosen = sets[y % len(sets), x % len(sets)]
+            px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
+            red = green = blue = total = 0.0
+            for n in range(points.shape[1]):
+                weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
+                through, place = weight, -1  # the part of the cone that goes on
+                while through > _NOTHING_LEFT * weight:
+                    place, _, _, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
+                    if place < 0:
+                        break
+                    diameter = widening * abs(c)
+                    _read(texels[layers[place]], level, px - c * vx, py + c * vy, diameter, found)
+                    cover = found[-1]
+                    if cover <= 0.0:
+                        continue
+                    for channel in range(len(found) - 1):
+                        found[channel] /= cover
+                    dx, dy = ray_tangents(shot, x, y, vx, vy)
+                    r, g, b = _light(surfaces, found, dx, dy)
+                    part = through * min(cover, 1.0)
+                    red, green, blue = red + part * r, green + part * g, blue + part * b
+                    through -= part
+                if place == -1:
+                    red, green, blue = (
+                        red + through * background[0],
+                        green + through * background[1],
+                        blue + through * background[2],
+                    )
+                    through = 0.0
+                total += weight - through
+            # Where every ray leaves the image, show what the pinhole sees.
+            if total == 0.0:
+                red, green, blue = background
+                total = 1.0
+                for k in range(len(fields.coc) - 1, -1, -1):
+                    if fields.coc[k, y, x] < np.inf:
+                        dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+                        found[:] = texels[k, y * out.shape[1] + x]
+                        red, green, blue = _light(surfaces, found, dx, dy)
+            out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
+
+
+@inline
+def _light(surfaces, found, dx, dy):
+    """A mean colour, or mean attributes shaded along the ray; the last entry is coverage."""
+    if len(found) == 4:
+        return found[0], found[1], found[2]
+    return shade_attributes(surfaces, found, dx, dy, -1.0)
+
+
+@inline
+def _read(texels, level, px, py, diameter, out):
+    """Write the trilinear mean around (px, py) of level 0 into out (C + 1,), clamped at the border."""
+    detail = min(math.log2(max(diameter, 1.0)), len(level) - 1.0)
+    coarse = min(int(detail) + 1, len(level) - 1)
+    fine, blend = int(detail), detail - int(detail)
+    out[:] = 0.0
+    _add_bilinear(texels, level, fine, px, py, 1.0 - blend, out)
+    if blend > 0.0:
+        _add_bilinear(texels, level, coarse, px, py, blend, out)
+
+
+@inline
+def _add_bilinear(texels, level, k, px, py, weight, out):
+    """Add weight times level k at (px, py) of level 0."""
+    first, width, height = level[k, 0], level[k, 1], level[k, 2]
+    u = px * (width / level[0, 1]) - 0.5
+    v = py * (height / level[0, 2]) - 0.5
+    i, j = math.floor(u), math.floor(v)
+    a, b = u - i, v - j
+    for dy in range(2):
+        row = first + min(max(j + dy, 0), height - 1) * width
+        wy = weight * (b if dy == 1 else 1.0 - b)
+        for dx in range(2):
+            texel = row + min(max(i + dx, 0), width - 1)
+            w = wy * (a if dx == 1 else 1.0 - a)
+            for channel in range(len(out)):
+                out[channel] += w * texels[texel, channel]

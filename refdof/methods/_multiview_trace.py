@@ -1,0 +1,170 @@
+"""Rays of the multiview method through its layers: the mean of what they hit, and the hits themselves.
+
+One task owns a band of rows; sums are taken in float64, in the order of the lens points.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.lens_pattern import LensPattern
+from refdof.raster.attributes import shade_attributes
+from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
+from refdof.raster.ray_doubt import in_doubt
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces
+
+__all__ = ["Hits", "culled_layers", "gather", "ray_tangents", "trace_hits"]
+
+_ROWS_PER_TASK = 8
+
+
+class Hits(NamedTuple):
+    """What each ray meets. layer (H, W, N) int16: -1 the background, -2 not known, as the ray leaves the image;
+    texel (H, W, N) int32: row * W + column, -1: none; coc (H, W, N): where along the ray [px], inf: nowhere;
+    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.raster.ray_doubt`).
+    """
+
+    layer: Index
+    texel: Index
+    coc: Float
+    ambiguous: Index
+
+
+def gather(
+    fields: Fields,
+    surface: Float,
+    pattern: LensPattern,
+    search: Search,
+    shot: Shot,
+    surfaces: Surfaces,
+    background: Any,
+) -> Float:
+    """Mean over the lens: (H, W, 3) float32.
+
+    `surface` (K, H, W, C) holds colours, C = 3, or attributes to be shaded along each ray.
+    """
+    height, width = fields.coc.shape[1:]
+    out = np.empty((height, width, 3), dtype=np.float32)
+    table = tuple(float(c) for c in background)
+    points, weights = pattern.points.astype(fields.coc.dtype), pattern.weights
+
+    def band(first: int) -> None:
+        last = min(first + _ROWS_PER_TASK, height)
+        _gather_rows(fields, surface, points, weights, pattern.set, search, shot, surfaces, table, first, last, out)
+
+    run_tasks(band, range(0, height, _ROWS_PER_TASK))
+    return out
+
+
+def trace_hits(fields: Fields, pattern: LensPattern, search: Search) -> Hits:
+    """The hit of every ray."""
+    shape = (*fields.coc.shape[1:], pattern.points.shape[1])
+    hits = Hits(
+        np.empty(shape, np.int16),
+        np.empty(shape, np.int32),
+        np.empty(shape, fields.coc.dtype),
+        np.empty(shape, np.bool_),
+    )
+    points = pattern.points.astype(fields.coc.dtype)
+
+    def band(first: int) -> None:
+        last = min(first + _ROWS_PER_TASK, shape[0])
+        _hit_rows(fields, points, pattern.set, search, first, last, hits)
+
+    run_tasks(band, range(0, shape[0], _ROWS_PER_TASK))
+    return hits
+
+
+def culled_layers(fields: Fields, search: Search) -> Any:
+    """Layers that early culling skips: (K, H, W) bool."""
+    out = np.ones(fields.coc.shape, dtype=np.bool_)
+    run_tasks(lambda first: _cull_rows(fields, search, first, out), range(0, fields.coc.shape[1], _ROWS_PER_TASK))
+    return out
+
+
+@tile_kernel
+def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces, background, first, last, out):
+    """Rows first .. last - 1 of out (H, W, 3)."""
+    fields, surface, points, weights = borrow_fields(fields), borrow(surface), borrow(points), borrow(weights)
+    surfaces, out, sets = borrow_surfaces(surfaces), borrow(out), borrow(sets)
+    layers = np.empty(len(fields.coc), dtype=np.int64)
+    half = points.dtype.type(0.5)
+    for y in range(first, last):
+        for x in range(out.shape[1]):
+            count, border = visit(fields, x, y, search, layers)
+            chosen = sets[y % len(sets), x % len(sets)]
+            px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
+            red = green = blue = total = 0.0
+            for n in range(points.shape[1]):
+                weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
+                if weight == 0.0:
+                    continue
+                place, i, j, _ = next_hit(fields, layers, 0, count, border, px, py, vx, vy, search)
+                if place == -2:
+                    continue
+                total += weight
+                if place == -1:
+                    r, g, b = background
+                else:
+                    dx, dy = ray_tangents(shot, x, y, vx, vy)
+                    r, g, b = _light(surfaces, surface[layers[place], j, i], dx, dy)
+                red, green, blue = red + weight * r, green + weight * g, blue + weight * b
+            # Where every ray leaves the image, show what the pinhole sees.
+            if total == 0.0:
+                red, green, blue = background
+                total = 1.0
+                for k in range(len(fields.coc) - 1, -1, -1):
+                    if fields.coc[k, y, x] < np.inf:
+                        dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+                        red, green, blue = _light(surfaces, surface[k, y, x], dx, dy)
+            out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
+
+
+@inline
+def ray_tangents(shot, x, y, vx, vy):
+    """Direction (dx, dy, -1) of the ray of pixel (x, y) through lens point v."""
+    dx, dy = (x + 0.5 - 0.5 * shot.width), (0.5 * shot.height - y - 0.5)
+    bend, scale = shot.lens_radius * shot.inverse_focus, 1.0 / shot.pixels_per_tangent
+    return dx * scale - bend * vx, dy * scale - bend * vy
+
+
+@inline
+def _light(surfaces, surface, dx, dy):
+    """A texel's colour, or its attributes shaded along the ray."""
+    if len(surface) == 3:
+        return np.float64(surface[0]), np.float64(surface[1]), np.float64(surface[2])
+    return shade_attributes(surfaces, surface, dx, dy, -1.0)
+
+
+@tile_kernel
+def _hit_rows(fields, points, sets, search, first, last, hits):
+    """Rows first .. last - 1 of `hits`."""
+    layers = np.empty(len(fields.coc), dtype=np.int64)
+    half = points.dtype.type(0.5)
+    for y in range(first, last):
+        for x in range(fields.coc.shape[2]):
+            count, border = visit(fields, x, y, search, layers)
+            chosen = sets[y % len(sets), x % len(sets)]
+            px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
+            for n in range(points.shape[1]):
+                vx, vy = points[chosen, n, 0], points[chosen, n, 1]
+                place, i, j, c = next_hit(fields, layers, 0, count, border, px, py, vx, vy, search)
+                hits.layer[y, x, n] = layers[place] if place >= 0 else place
+                hits.texel[y, x, n] = j * fields.coc.shape[2] + i if place >= 0 else -1
+                hits.coc[y, x, n] = c if place >= 0 else np.inf
+                hits.ambiguous[y, x, n] = in_doubt(fields, layers, count, border, px, py, vx, vy, search)
+
+
+@tile_kernel
+def _cull_rows(fields, search, first, out):
+    """A band of rows of out (K, H, W), which starts as True."""
+    layers = np.empty(len(fields.coc), dtype=np.int64)
+    for y in range(first, min(first + _ROWS_PER_TASK, out.shape[1])):
+        for x in range(out.shape[2]):
+            count, _ = visit(fields, x, y, search, layers)
+            for k in layers[:count]:
+                if k >= 0:
+                    out[k, y, x] = False

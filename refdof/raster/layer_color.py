@@ -1,0 +1,57 @@
+"""Colours of layers: triangles shaded at the pixel centres, as the pinhole sees them."""
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof._jit import inline, kernel, prange
+from refdof.shading import shade
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+
+__all__ = ["colors_of", "inside_triangle"]
+
+
+def colors_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
+    """Colours of triangles at the pixel centres.
+
+    Parameters
+    ----------
+    surfaces, shot
+    triangle : (N, H, W) int32
+        The triangle that the ray of each pixel meets; -1 is empty.
+
+    Returns
+    -------
+    (N, H, W, 3) float32
+        Linear RGB; zeros where empty.
+    """
+    out = np.zeros((*triangle.shape, 3), dtype=np.float32)
+    _fill(surfaces, shot, triangle, out)
+    return out
+
+
+@kernel
+def _fill(surfaces, shot, triangle, out):
+    """Fill out (N, H, W, 3)."""
+    scale = 1.0 / shot.pixels_per_tangent
+    for y in prange(triangle.shape[1]):
+        own = borrow_surfaces(surfaces)
+        dy = (0.5 * shot.height - y - 0.5) * scale
+        for n in range(triangle.shape[0]):
+            for x in range(triangle.shape[2]):
+                face = triangle[n, y, x]
+                if face < 0:
+                    continue
+                dx = (x + 0.5 - 0.5 * shot.width) * scale
+                _, u, v = intersect(own.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                u, v = inside_triangle(u, v)
+                red, green, blue = shade(own, face, u, v, dx, dy, -1.0)
+                out[n, y, x, 0], out[n, y, x, 1], out[n, y, x, 2] = red, green, blue
+
+
+@inline
+def inside_triangle(u, v):
+    """Barycentrics brought back into the triangle: a rasteriser covers centres a little outside, and edge-on far so."""
+    u, v = max(u, 0.0), max(v, 0.0)
+    total = max(u + v, 1.0)
+    return u / total, v / total
