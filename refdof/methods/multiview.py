@@ -45,6 +45,7 @@ References
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -155,8 +156,9 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     surface = _surface(view, layers, params)
     trace.record("layer_surface", lambda: surface)
     pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
-    for name, values in zip(("lens_points", "lens_weights", "lens_set"), pattern, strict=True):
-        trace.record(name, lambda values=values: values)
+    trace.record("lens_points", lambda: pattern.points)
+    trace.record("lens_weights", lambda: pattern.weights)
+    trace.record("lens_set", lambda: pattern.set)
 
     fields = fields_of(layers.coc, layers.near, layers.far, float(np.hypot(*pattern.points.T).max()))
     search = Search(
@@ -187,10 +189,10 @@ def cone_width(view: View, params: Params) -> float:
 
 
 def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
-    """Steps 1: layers of the view."""
-    choice = params.spacing_px, params.layers, params.overlap, params.near, params.far
+    """Step 1: layers of the view."""
     layers, sources = view.product(
-        f"multiview layers {choice}", lambda: decompose(*view.triangles(), view.camera, view.lens, *choice)
+        f"multiview layers {_choice(params)}",
+        lambda: decompose(*view.triangles(), view.camera, view.lens, **_choice(params)),
     )
     trace.record("bounds", lambda: layers.bounds)
     trace.record("source_coc", lambda: sources.coc)
@@ -202,18 +204,33 @@ def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
     return layers
 
 
+def _choice(params: Params) -> dict[str, Any]:
+    """What the decomposition depends on besides the view."""
+    return {
+        "spacing": params.spacing_px,
+        "count": params.layers,
+        "overlap": params.overlap,
+        "near": params.near,
+        "far": params.far,
+    }
+
+
 def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     """Step 2: colours (K, H, W, 3) or attributes (K, H, W, 13) of the layers."""
     make = attributes_of if params.view_dependent else colors_of
-    choice = params.spacing_px, params.layers, params.overlap, params.near, params.far
     return view.product(
-        f"multiview {make.__name__} {choice}", lambda: make(view.surfaces(), view.shot(), layers.triangle)
+        f"multiview {make.__name__} {_choice(params)}",
+        lambda: make(view.surfaces(), view.shot(), layers.triangle),
     )
 
 
 def _record_rays(trace: Trace, fields: Fields, pattern: LensPattern, search: Search) -> None:
     """Record what early culling skips and what every ray hits."""
-    if trace.on:
-        trace.record("culled", lambda: culled_layers(fields, search))
-        for name, values in trace_hits(fields, pattern, search)._asdict().items():
-            trace.record(name if name == "ambiguous" else f"hit_{name}", lambda values=values: values)
+    if not trace.on:
+        return
+    trace.record("culled", lambda: culled_layers(fields, search))
+    hits = trace_hits(fields, pattern, search)
+    trace.record("hit_layer", lambda: hits.layer)
+    trace.record("hit_texel", lambda: hits.texel)
+    trace.record("hit_coc", lambda: hits.coc)
+    trace.record("ambiguous", lambda: hits.ambiguous)

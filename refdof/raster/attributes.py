@@ -15,6 +15,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
+from refdof.raster.layer_color import inside_triangle
 from refdof.scene import SHADINGS
 from refdof.shading import lit, shading_normal, surface_color
 from refdof.shot import Shot
@@ -62,6 +63,7 @@ def _fill(surfaces, shot, triangle, out):
                 dx, a = (x + 0.5 - 0.5 * shot.width) * scale, out[n, y, x]
                 material = own.face_material[face]
                 _, u, v = intersect(own.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                u, v = inside_triangle(u, v)
                 w = 1.0 - u - v
                 color = _EMISSION if own.shading[material] == _UNLIT else _ALBEDO
                 a[color], a[color + 1], a[color + 2] = surface_color(own, face, w, u, v)

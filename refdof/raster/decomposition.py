@@ -110,8 +110,8 @@ def decompose(
                 f"near, far: got {near} and {far}, and nothing is seen between; allowed is the scene's range"
             )
         return _nothing(camera)
-    span = lens.coc_px(np.array([nearest, farthest]), camera).tolist()
-    bounds = layer_bounds(*span, spacing, count)
+    span = lens.coc_px(np.array([nearest, farthest]), camera)
+    bounds = layer_bounds(float(span[0]), float(span[1]), spacing, count)
     sources = _draw_sources(vertices, faces, camera, lens, near, bounds)
     sources.coc[sources.coc > bounds[-1]] = np.inf  # beyond the far plane
 

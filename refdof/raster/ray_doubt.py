@@ -58,10 +58,9 @@ def _in_layer(coc, k, near, far, px, py, vx, vy, search):
         height = coc[k, j, i]
         if abs(height - leave) < _CLOSE and leave < last:
             return True, hit
-        if height > leave:
-            if blocked:
-                return True, hit
-        elif not hit:
+        if blocked and height > enter - _CLOSE:
+            return True, hit
+        if height <= leave and not hit:
             wall = max(enter - height, 0.0)
             if abs(wall - search.thickness) < finest or (blocked and wall < search.thickness):
                 return True, hit
