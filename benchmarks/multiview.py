@@ -47,6 +47,7 @@ def measure(view, rounds):
                 rows.append({"over": kind, **words, "blur_s": blur, "prepare_s": prepare})
     for words in (
         {"search": "march"},
+        {"start": "middle"},
         {"jitter": "none"},
         {"jitter": "halton"},
         {"cones": "paper"},

@@ -15,7 +15,7 @@ from refdof.raster.decomposition import decompose, layer_bounds
 from refdof.raster.height_field import Search, fields_of
 
 SIZE, P = (14, 10), 14.0
-SEARCH = Search(3, 5, 0.5, False, True, True)
+SEARCH = Search(False, 3, 5, 0.5, False, True, True)
 
 
 def random_scene(seed, count=12):
@@ -147,11 +147,12 @@ def test_march_hits_what_the_twin_hits(seed, wall, discard):
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("smooth", [False, True])
-@pytest.mark.parametrize("wall", [0.5, np.inf])
-def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall):
+@pytest.mark.parametrize(("wall", "middle"), [(0.5, False), (0.5, True), (np.inf, False)])
+def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle):
     coc, near, far = random_fields(seed, smooth=smooth, full=smooth)
     points = lens(5, seed)
-    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), SEARCH._replace(thickness=wall))
+    search = SEARCH._replace(thickness=wall, middle=middle)
+    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
     layer, texel = twin_hits(coc, near, far, points, wall, True)
     sure = ~hits.ambiguous
     np.testing.assert_array_equal(hits.layer[sure], layer[sure])
@@ -312,6 +313,7 @@ def test_stages_are_those_of_the_docstring():
         ({"wall_px": -1}, "wall_px"),
         ({"steps": 0}, "steps"),
         ({"search": "guess"}, "search"),
+        ({"start": "back"}, "start"),
         ({"cones": "wide"}, "cones"),
         ({"offscreen": "wrap"}, "offscreen"),
         ({"samples": 0}, "samples"),

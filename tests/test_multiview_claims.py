@@ -189,7 +189,8 @@ def test_wider_spacing_costs_little(name):
 def test_three_iterations_are_enough(name):
     more = picture(name, steps=16, bisections=16)
     march = picture(name, search="march")
-    for image in (more, march):
+    middle = picture(name, start="middle")
+    for image in (more, march, middle):
         assert abs(score(name, picture(name))[0] - score(name, image)[0]) < 0.1  # measured: 0.03
 
 
@@ -214,7 +215,7 @@ def picture_from_exact_layers(name):
         heights.append(np.where(inside.any(axis=0), np.take_along_axis(coc, first[None], 0)[0], np.float32(np.inf)))
         colors.append(np.take_along_axis(layers.color, first[None, ..., None], 0)[0])
     pattern = lens_pattern(words.samples, own.lens.aperture, words.jitter, words.pattern, words.seed)
-    search = Search(words.steps, words.bisections, words.wall_px, False, True, True)
+    search = Search(False, words.steps, words.bisections, words.wall_px, False, True, True)
     fields = fields_of(np.stack(heights), low, high, 1.0)
     return gather(fields, np.stack(colors), pattern, search, own.shot(), own.surfaces(), own.scene.background)
 

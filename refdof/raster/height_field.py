@@ -46,10 +46,12 @@ class Fields(NamedTuple):
 
 
 class Search(NamedTuple):
-    """How to search: steps of false position and of bisection; highest wall that is surface [px]; whether to march
-    instead; whether to cull; whether rays that leave the image are dropped (else the image's border goes on).
+    """How to search: whether to begin in the middle of a layer; steps of false position and of bisection; highest wall
+    that is surface [px]; whether to march instead; whether to cull; whether rays that leave the image are dropped
+    (else the image's border goes on).
     """
 
+    middle: bool
     steps: int
     bisections: int
     thickness: float
@@ -130,17 +132,33 @@ def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
 def _search(coc, k, near, far, px, py, vx, vy, search):
     """False position and bisection in layer k: (column, row, c); column -1: no hit."""
     half, thickness = coc.dtype.type(0.5), coc.dtype.type(search.thickness)
-    # Look up both ends. An empty texel counts as the bound at the other end, which puts the first guess between.
-    a, b = near, far
-    x, y, height = _texel(coc, k, px, py, vx, vy, a)
-    if _on_top(coc, px, py, vx, vy, x, y, height):
-        return x, y, height
-    above = height - a if height < np.inf else far - near
-    x, y, height = _texel(coc, k, px, py, vx, vy, b)
-    below = height - b if height < np.inf else near - far
-    blocked, bx, by, top = height < np.inf, x, y, height
+    # Empty ends count as the bound at the other end, which puts the first guess in the middle.
+    a, b, above, below = near, far, far - near, near - far
+    blocked = crossed = False
+    bx, by, top = 0, 0, near
+    if search.middle:
+        c = half * (a + b)
+        x, y, height = _texel(coc, k, px, py, vx, vy, c)
+        if _on_top(coc, px, py, vx, vy, x, y, height):
+            return x, y, height
+        if height < c:
+            blocked = crossed = True
+            b, bx, by, top = c, x, y, height
+        elif height < np.inf:
+            a, above = c, height - c
+    # Look up both ends, unless the middle showed a surface.
+    if a == near and not crossed:
+        x, y, height = _texel(coc, k, px, py, vx, vy, a)
+        if _on_top(coc, px, py, vx, vy, x, y, height):
+            return x, y, height
+        if height < np.inf:
+            above = height - a
+        bx, by, top = _texel(coc, k, px, py, vx, vy, b)
+        blocked = top < np.inf
+        if blocked:
+            below = top - b
     # Follow the straight line between the ends, as long as it stays in front of the surface.
-    for _ in range(search.steps):
+    for _ in range(0 if crossed else search.steps):
         c = a + (b - a) * (above / (above - below)) if above > below else half * (a + b)
         x, y, height = _texel(coc, k, px, py, vx, vy, c)
         if _on_top(coc, px, py, vx, vy, x, y, height):
@@ -150,7 +168,9 @@ def _search(coc, k, near, far, px, py, vx, vy, search):
             break
         a, above = c, (height if height < np.inf else far) - c
     if not blocked:
-        return -1, 0, near
+        bx, by, top = _texel(coc, k, px, py, vx, vy, b)
+        if top == np.inf:
+            return -1, 0, near
     # Halve the part in which the surface comes before the ray.
     for _ in range(search.bisections):
         c = half * (a + b)
