@@ -102,7 +102,7 @@ def test_better_than_a_single_image(name):
 
 
 def test_the_branches_appear_as_far_apart_as_in_the_reference():
-    # Black branches before white, without screen, flowers or butterfly: the first six parts of four materials.
+    # The two barks, in black before white, without screen, flowers and butterfly.
     scene = refdof.load_scene("branches")
     depth = -scene.camera.camera_from_world(scene.vertices)[scene.faces][..., 2].max(axis=1)
     kept = (depth < 1.5) & (scene.face_material < 2)
