@@ -36,11 +36,11 @@ def time_blur(view, rounds, **words):
     return statistics.median(s["blur"] for s in seconds), max(s["prepare"] for s in seconds)
 
 
-def measure(view, rounds):
-    """Rows of the three tables."""
+def measure(view, rounds, tables):
+    """Rows of the tables asked for."""
     rows = []
     for kind, values in (("samples", SAMPLES), ("layers", LAYERS)):
-        for value in values:
+        for value in values if kind in tables else ():
             for culling in (True, False):
                 words = {**TARGET, kind: value, "culling": culling}
                 blur, prepare = time_blur(view, rounds, **words)
@@ -54,6 +54,8 @@ def measure(view, rounds):
         {"view_dependent": True},
         {"cones": "paper", "view_dependent": True},
     ):
+        if "variants" not in tables:
+            break
         warm_up("multiview", words)
         blur, prepare = time_blur(view, rounds, **TARGET, **words)
         rows.append({"over": "variants", **TARGET, **words, "blur_s": blur, "prepare_s": prepare})
@@ -87,11 +89,12 @@ def main():
     parser.add_argument("--scene", default="fence", help="a built-in scene")
     parser.add_argument("--size", default="800x600", help="WxH")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--tables", default="samples,layers,variants", help="which of them")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers there")
     arguments = parser.parse_args()
     width, height = (int(side) for side in arguments.size.split("x"))
     warm_up("multiview", {})
-    rows = measure(prepared(arguments.scene, width, height), arguments.rounds)
+    rows = measure(prepared(arguments.scene, width, height), arguments.rounds, arguments.tables.split(","))
     print(table(arguments.scene, arguments.size, rows))
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=2) + "\n")

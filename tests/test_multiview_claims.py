@@ -81,7 +81,7 @@ def test_cards_in_layers_of_their_own_are_exact():
     np.testing.assert_allclose(exact[inner], colors[seen].mean(axis=2)[inner], rtol=1e-6)
 
     # So what is left is the noise of 64 points: against the exact areas, 64^-0.75 of the contrast at an edge (1 sigma).
-    # By default a wall of 0.5 px counts as surface: edges grow by up to that, most of it below the noise.
+    # By default a wall of 0.25 px counts as surface, too: edges would grow by up to that, were these cards not flat.
     outline = [np.array([(a, c), (b, c), (b, e), (a, e)]) * d / p for (a, b, c, e), d in zip(cards, depth, strict=True)]
     share = lens_shares(outline, depth, stage.tangents(*size, p), radius, focus)
     for shown in (exact, image):
@@ -176,7 +176,7 @@ def test_one_layer_degrades_gently_where_depths_are_close():
 
 
 def test_refuted_one_layer_does_not_degrade_gently_behind_a_strong_blur():
-    # fence: 36.5 / 0.971 to 26.4 / 0.825, below the single pass.
+    # fence: 36.5 / 0.971 to 25.3 / 0.797, below the single pass.
     flat = score("fence", picture("fence", layers=1, wall_px=np.inf))
     assert 24.0 < flat[0] < score("fence", picture("fence", "singlepass"))[0]
 
@@ -198,7 +198,7 @@ def test_three_iterations_are_enough(name):
 
 @pytest.mark.parametrize("name", ["fence", "branches"])
 def test_layers_of_whole_triangles_are_nearly_as_good_as_exact_ones(name):
-    # "In practice, the differences to an accurate method are small": 36.5 against 36.2, 38.9 against 38.4.
+    # "In practice, the differences to an accurate method are small": 36.5 against 36.2, 39.1 against 38.5.
     exact = picture_from_exact_layers(name)
     assert abs(score(name, picture(name))[0] - score(name, exact)[0]) < 0.8
 
@@ -213,18 +213,24 @@ def picture_from_exact_layers(name):
     heights, colors = [], []
     for a, b in zip(low, high, strict=True):
         inside = (coc >= a) & (coc <= b)
+        if not inside.any():
+            continue
         first = inside.argmax(axis=0)
         heights.append(np.where(inside.any(axis=0), np.take_along_axis(coc, first[None], 0)[0], np.float32(np.inf)))
         colors.append(np.take_along_axis(layers.color, first[None, ..., None], 0)[0])
     pattern = lens_pattern(words.samples, own.lens.aperture, words.jitter, words.pattern, words.seed)
     search = Search(False, words.steps, words.bisections, words.wall_px, False, True, True)
-    fields = fields_of(np.stack(heights), low, high, 1.0)
+    heights = np.stack(heights)
+    low, high = heights.min(axis=(1, 2)), np.where(heights < np.inf, heights, -np.inf).max(axis=(1, 2))
+    fields = fields_of(heights, low, high, 1.0)
     return gather(fields, np.stack(colors), pattern, search, own.shot(), own.surfaces(), own.scene.background)
 
 
-def test_objects_as_thick_as_their_layer_are_worse():
-    # The text's reading of d < d^ against walls of 0.5 px. branches: 37.7 against 38.9.
-    assert score("branches", picture("branches"))[0] - score("branches", picture("branches", wall_px=np.inf))[0] > 0.7
+@pytest.mark.parametrize("name", ["fence", "branches"])
+def test_objects_as_thick_as_their_layer_are_worse(name):
+    # The text's reading of d < d^ against walls of 0.25 px. fence: 36.4 against 36.5; branches: 38.8 against 39.1. The
+    # noise of 64 points is the same in both: the same rays.
+    assert score(name, picture(name))[0] > score(name, picture(name, wall_px=np.inf))[0] + 0.05
 
 
 @pytest.mark.parametrize("name", ["fence", "branches"])

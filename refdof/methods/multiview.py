@@ -24,7 +24,8 @@ Departures from the paper
   as soon as the ray is inside the texel where it has that height; no tolerance is needed.
 - "If d < d^, there is a surface intersection before reaching I" makes every object as thick as its layer: a ray that
   passes behind its edge hits it, too. Here a wall is surface only up to `wall_px`, since neighbouring texels of slanted
-  surfaces differ by so much; past a higher one the ray goes on to the next layer. `wall_px=inf` is the text.
+  surfaces differ by so much; past a higher one the ray goes on to the next layer. `wall_px=inf` is the text; it leaves
+  no holes where the scene has one layer only.
 - An empty texel is far while the search steps forward: it does not block. Only at the far end does it count as near.
 - After the steps the far end decides: if its texel blocks the ray, the search halves on, else the layer is missed.
 - What rays see that hit no layer is not said: the scene's background. Rays that leave the image are dropped at the
@@ -119,7 +120,7 @@ class Params:
     start: str = "ends"
     steps: int = 3
     bisections: int = 5
-    wall_px: float = 0.5
+    wall_px: float = 0.25
     culling: bool = True
     offscreen: str = "discard"
     jitter: str = "noise"

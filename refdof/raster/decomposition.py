@@ -17,6 +17,8 @@ Departures from the paper
 - Eq. (4) recomputed for a depth on a bound may round to either side; fragments are classified by the stored bounds.
 - Eq. (4) gives as many layers as there are at the far end, where its index is one too high: the last layer is closed.
 - `overlap` is a share of the spacing, added on each side; "10 %" may also mean half of that.
+- Rays are tested from a layer's least height to its greatest, not between its bounds: where it holds one flat card,
+  that is a point, and a ray cannot pass behind the card before it leaves the layer.
 - The near plane is the nearest fragment and the far plane the farthest vertex, so that layers begin with the scene.
 
 References
@@ -58,7 +60,7 @@ class Decomposition(NamedTuple):
     """K layers that are not empty, front to back, out of L.
 
     coc (K, H, W) float32: signed circle of confusion [px], inf: empty; triangle (K, H, W) int32, -1: empty;
-    near, far (K,) float32: each layer's interval with its overlap [px]; layer (K,) int64: its number among the L;
+    near, far (K,) float32: least and greatest height of each layer [px]; layer (K,) int64: its number among the L;
     bounds (L + 1,) float32: intervals without overlap [px].
     """
 
@@ -127,7 +129,8 @@ def decompose(
     coc = np.full((len(layer), camera.height, camera.width), np.inf, dtype=np.float32)
     triangle = np.full(coc.shape, -1, dtype=np.int32)
     _move(sources.coc, sources.triangle, bounds, low, high, slot, coc, triangle)
-    return Decomposition(coc, triangle, low[layer], high[layer], layer, bounds), sources
+    nearest, farthest = coc.min(axis=(1, 2)), np.where(coc < np.inf, coc, -np.inf).max(axis=(1, 2))
+    return Decomposition(coc, triangle, nearest, farthest, layer, bounds), sources
 
 
 def layer_bounds(nearest: float, farthest: float, spacing: float, count: int | None = None) -> Float:
