@@ -17,6 +17,7 @@ FAST = {
     "test_camera.py",
     "test_check.py",
     "test_contract.py",
+    "test_depth_format.py",
     "test_gpu_model.py",
     "test_jit.py",
     "test_lens.py",
