@@ -237,6 +237,18 @@ def _level_of(width, height, count, exact):
     return min(exponent, count - 1)
 
 
+@inline
+def _least(level, x0, y0, x1, y1):
+    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
+    return min(min(a, b), min(c, d))
+
+
+@inline
+def _greatest(level, x0, y0, x1, y1):
+    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
+    return max(max(a, b), max(c, d))
+
+
 @kernel
 def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
     """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
@@ -251,6 +263,17 @@ def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, hi
             if not (0 <= left[k] <= right[k] < width and 0 <= top[k] <= bottom[k] < height):
                 valid = False
                 continue
+            if block == 1 and not exact:
+                x, y = left[k], top[k]
+                longest = max(right[k] - x, bottom[k] - y) + 1
+                level = _level_of(longest, longest, max(len(near), len(far)), False)
+                if longest <= 2 << level:
+                    u, v = max(right[k] + 1 - (1 << level), x), max(bottom[k] + 1 - (1 << level), y)
+                    if len(near):
+                        low[k] = _least(near[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
+                    if len(far):
+                        high[k] = _greatest(far[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
+                    continue
             if len(near):
                 low[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
             if len(far):
