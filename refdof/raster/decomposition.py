@@ -39,7 +39,6 @@ from refdof.raster.triangles import rasterize
 
 __all__ = ["Decomposition", "Sources", "decompose", "layer_bounds"]
 
-_FINE_BITS = 12  # sub-pixel bits: the reference does not snap corners at all
 _MOST_LAYERS = 65536
 _MOST_BYTES = 8 * 2**30
 _BYTES_PER_TEXEL = 32  # heights, triangles, colours and search structures
@@ -161,7 +160,7 @@ def _depth_range(
 ) -> tuple[float, float]:
     """Near and far plane; the scene's own are its nearest fragment and its farthest vertex."""
     if near is None:
-        near = float(rasterize(vertices, faces, camera, subpixel_bits=_FINE_BITS).depth.min())
+        near = float(rasterize(vertices, faces, camera).depth.min())
     if far is None:
         far = float(-vertices[faces, 2].min(initial=0.0)) if len(faces) else 0.0
     return (near, far) if np.isfinite(near) else (near, -np.inf)
@@ -194,7 +193,7 @@ def _draw_sources(
     sources = Sources(np.full(shape, np.inf, np.float32), np.full(shape, -1, np.int32), layers)
     for k, layer in enumerate(layers):
         chosen = ahead[home == layer]
-        drawn = rasterize(vertices, faces[chosen], camera, near=near, subpixel_bits=_FINE_BITS)
+        drawn = rasterize(vertices, faces[chosen], camera, near=near)
         filled = drawn.triangle >= 0
         sources.coc[k][filled] = lens.coc_px(drawn.depth[filled], camera)
         sources.triangle[k][filled] = chosen[drawn.triangle[filled]]
