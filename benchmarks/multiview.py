@@ -66,6 +66,8 @@ def table(name, size, rows):
     """The result as Markdown."""
     lines = [f"`{name}`, {size}, {os.cpu_count()} processors", ""]
     for kind in ("samples", "layers"):
+        if not any(row["over"] == kind for row in rows):
+            continue
         lines += [f"| {kind} | prepare [s] | blur [s] | without culling [s] |", "|---|---|---|---|"]
         chosen = [row for row in rows if row["over"] == kind]
         for row, plain in zip(chosen[::2], chosen[1::2], strict=True):
@@ -76,7 +78,8 @@ def table(name, size, rows):
                 f"| {row[kind]} | {row['prepare_s']:.2f} | {row['blur_s']:.2f}{mark} | {plain['blur_s']:.2f} |"
             )
         lines.append("")
-    lines += ["| variant | blur [s] |", "|---|---|"]
+    if any(row["over"] == "variants" for row in rows):
+        lines += ["| variant | blur [s] |", "|---|---|"]
     for row in rows:
         if row["over"] == "variants":
             words = ", ".join(f"{k}={v}" for k, v in row.items() if k not in ("over", "blur_s", "prepare_s", *TARGET))
