@@ -26,11 +26,11 @@ _MARGIN = 0.01  # px: the walk may round a ray's place across a texel's border
 
 
 @inline
-def narrow(lowest, highest, block, size, rays, stride, center, near, far, thickness, iterations):
+def narrow(lowest, highest, block, size, rays, stride, center, near, far, extension, iterations):
     """Cut [far, near] to where the rays of one pixel can hit: returns near and far, near < far if nowhere.
 
     lowest, highest (L, h, w) and block are an N-buffer of u; size is (width, height) [px]; rays (4, N) are ax, ay, wx,
-    wy. stride 0 takes the closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray
+    wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray
     is bounded.
     """
     own = lowest.dtype.type
@@ -45,7 +45,7 @@ def narrow(lowest, highest, block, size, rays, stride, center, near, far, thickn
         high = highest_in(highest, block, left, top, right, bottom, False)
         if low > high:
             return own(-1.0), own(0.0)
-        new_far, new_near = max(far, low - thickness), min(near, high)
+        new_far, new_near = max(far, low - extension), min(near, high)
         if new_far == far and new_near == near:
             break
         far, near = new_far, new_near

@@ -22,7 +22,7 @@ from refdof.lens_pattern import LensPattern
 from refdof.raster.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.footprint import narrow, ray_bounds, thin_lens_bounds
 from refdof.raster.nbuffer import n_buffer
-from refdof.raster.texel_walk import PACK, enter_picture, first_hit, look_up, pack_layers
+from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
@@ -37,15 +37,15 @@ _ROWS_PER_TASK = 4
 class Stack(NamedTuple):
     """Packed layers of a picture, and their N-buffers.
 
-    packs (G, H, W, 4) in px of parallax, -inf is empty; lowest, highest (G, L, h, w) of blocks of `block` px; thickness
-    [px of parallax] of a sample's column; last: the layer behind which more may be, -1 if all are here.
+    packs (G, H, W, 4) in px of parallax, -inf is empty; lowest, highest (G, L, h, w) of blocks of `block` px; extension
+    [px of parallax] as in `first_hit`; last: the layer behind which more may be, -1 if all are here.
     """
 
     packs: Float
     lowest: Float
     highest: Float
     block: int
-    thickness: float
+    extension: float
     last: int
 
 
@@ -59,7 +59,7 @@ class Traced(NamedTuple):
     missed: Float
 
 
-def new_stack(parallax: Float, thickness: float, complete: bool, block: int) -> Stack:
+def new_stack(parallax: Float, extension: float, complete: bool, block: int = 2) -> Stack:
     """Pack layers (N, H, W) [px of parallax], -inf where empty, front to back, with an N-buffer for each pack.
 
     `complete`: there are no more layers than these.
@@ -68,7 +68,7 @@ def new_stack(parallax: Float, thickness: float, complete: bool, block: int) -> 
     buffers = [n_buffer(pack.transpose(2, 0, 1), block=block) for pack in packs]
     lowest = np.stack([buffer.lowest for buffer in buffers])
     highest = np.stack([buffer.highest for buffer in buffers])
-    return Stack(packs, lowest, highest, block, thickness, -1 if complete else len(parallax) - 1)
+    return Stack(packs, lowest, highest, block, extension, -1 if complete else len(parallax) - 1)
 
 
 def trace_layers(
@@ -117,7 +117,7 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
     )
     lens, weights, focus = lens.astype(dtype), pattern.weights, dtype.type(focus)
-    stack = stack._replace(thickness=dtype.type(stack.thickness))
+    stack = stack._replace(extension=dtype.type(stack.extension))
     top = stack.highest.reshape(groups, -1).max(axis=1)
     how = stride, iterations, MISSES.index(misses), bool(linear)
 
@@ -134,14 +134,13 @@ def trace_layers(
 @tile_kernel
 def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
-    packs, lowest, highest, thickness = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.thickness
+    packs, lowest, highest, extension = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.extension
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
     own = packs.dtype.type
     groups, height, width = packs.shape[:3]
     stride, iterations, misses, linear = how
     rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
     near, far = np.empty(groups, dtype=packs.dtype), np.empty(groups, dtype=packs.dtype)
-    value = np.empty(values.shape[3], dtype=values.dtype)
     for y in range(first, last):
         for x in range(width):
             chosen = sets[y % len(sets), x % len(sets)]
@@ -151,7 +150,7 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
             for group in range(groups):
                 near[group], far[group] = narrow(
                     lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], own(0.0), thickness, iterations,
+                    top[group], own(0.0), extension, iterations,
                 )  # fmt: skip
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
@@ -161,7 +160,7 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 if weight == 0.0:
                     continue
                 ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
-                layer, at_x, at_y, u, walked = _hit(packs, ax, ay, wx, wy, near, far, thickness, stack.last, inside)
+                layer, at_x, at_y, u, walked = _hit(packs, ax, ay, wx, wy, near, far, extension, stack.last, inside)
                 steps += walked
                 if layer == _MISS:
                     missed += weight
@@ -170,8 +169,13 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
                     right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
-                    look_up(packs, values, layer // PACK, layer % PACK, at_x, at_y, right, down, linear, value)
-                    r, g, b = _radiance(surfaces, shot, value, ax, ay)
+                    r, g, b = _radiance(surfaces, shot, values, layer, at_x, at_y, ax, ay)
+                    if linear:
+                        across, along, corner, fx, fy = neighbours(packs, layer, at_x, at_y, right, down)
+                        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
+                        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
+                        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
+                        r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             share = missed
             if misses == _PINHOLE or total == 0.0:
@@ -203,7 +207,7 @@ def _all_inside(rays, near, width, height):
 
 
 @inline
-def _hit(packs, ax, ay, wx, wy, near, far, thickness, last, inside):
+def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
     """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
     own = packs.dtype.type
     height, width = packs.shape[1], packs.shape[2]
@@ -215,14 +219,14 @@ def _hit(packs, ax, ay, wx, wy, near, far, thickness, last, inside):
         if border < np.inf:
             x = min(max(int(np.floor(ax + border * wx)), 0), width - 1)
             y = min(max(int(np.floor(ay + border * wy)), 0), height - 1)
-            if packs[0, y, x, 0] - thickness > border:
+            if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
     layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0
     for group in range(len(packs)):
         begin, end = min(near[group], border), max(far[group], best)
         if begin < end:
             continue
-        slot, at_x, at_y, u, walked = first_hit(packs[group], ax, ay, wx, wy, begin, end, thickness)
+        slot, at_x, at_y, u, walked = first_hit(packs, group, ax, ay, wx, wy, begin, end, extension)
         steps += walked
         if slot >= 0 and u > best:
             layer, x, y, best = group * PACK + slot, at_x, at_y, u
@@ -235,9 +239,16 @@ def _hit(packs, ax, ay, wx, wy, near, far, thickness, last, inside):
 
 
 @inline
-def _radiance(surfaces, shot, value, ax, ay):
-    """Linear RGB of a colour (3,), or of attributes (13,) seen along the ray that ends at (ax, ay)."""
+def _radiance(surfaces, shot, values, layer, x, y, ax, ay):
+    """Linear RGB of a sample: its colour, or its attributes seen along the ray that ends at (ax, ay)."""
+    value = values[layer, y, x]
     if len(value) != ATTRIBUTES:
         return value[0], value[1], value[2]
     dx, dy = (ax - 0.5 * shot.width) / shot.pixels_per_tangent, (0.5 * shot.height - ay) / shot.pixels_per_tangent
     return shade_attributes(surfaces, value, dx, dy, -1.0)
+
+
+@inline
+def _mix(here, across, along, corner, fx, fy):
+    """Bilinear blend."""
+    return (here * (1 - fx) + across * fx) * (1 - fy) + (along * (1 - fx) + corner * fx) * fy

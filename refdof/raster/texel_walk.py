@@ -11,12 +11,14 @@ nothing here needs that, or that rays share a centre.
 1. layers are packed four by four                                  `pack_layers`
 2. a ray that starts outside the picture is cut at its border      `enter_picture`
 3. it goes from texel to texel [2], four layers at once            `first_hit`
-4. the colour of what it meets is read                             `look_up`
+4. colours are read there, or between texels                           `neighbours`
 
-A sample stands for its pixel's whole square and, below it, for the column of `thickness` [px of parallax] from which
-peeling drops what the sample hides: a ray that comes into the column from the side meets the sample, too. On its way
-there it passed the sample's depth outside the pixel, but not further out than `thickness` times |w| pixels: this is
-the silhouette extended towards the neighbours. A ray that leaves a column above the sample never needs the extension.
+A ray meets a sample if it passes its depth inside the texel. A ray that comes into the texel from the side, already
+behind the sample, meets it on the way in if it comes from above a surface that belongs to the sample's: the texel before
+has a sample between the ray and `extension` below the new one. That is where peeling may have dropped a surface (the
+extension is the umbra's length), and where a slanted surface crosses from texel to texel: a plane that the whole lens
+sees from one side falls by less than one pixel of parallax a pixel. A farther surface is another one, and the ray sees
+past the silhouette.
 
 References
 ----------
@@ -31,7 +33,7 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import inline
 
-__all__ = ["PACK", "enter_picture", "first_hit", "look_up", "pack_layers"]
+__all__ = ["PACK", "enter_picture", "first_hit", "neighbours", "pack_layers"]
 
 PACK = 4  # [1]: four depths are one RGBA texel
 _SAME_SURFACE = 0.5  # px of parallax between neighbouring texels of one surface
@@ -67,40 +69,56 @@ def _cut(size, a, w, near, far):
 
 
 @inline
-def first_hit(pack, ax, ay, wx, wy, near, far, thickness):
+def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
     """The first sample of one pack that a ray meets: slot (-1: none), x, y, u, and the texels walked.
 
-    pack (H, W, 4). The ray is inside the picture at u = near. `far` may cut the walk short: what lies below is not
+    packs (G, H, W, 4). The ray is inside the picture at u = near. `far` may cut the walk short: what lies below is not
     looked for.
     """
     own = type(ax)
+    pack = packs[group]
     height, width = pack.shape[0], pack.shape[1]
     x, step_x, inverse_x = _start(ax, wx, near, width)
     y, step_y, inverse_y = _start(ay, wy, near, height)
     ahead_x, ahead_y = own(0.5) * own(1 + step_x), own(0.5) * own(1 + step_y)  # from the texel's corner to its exit
-    enter, steps = near, 0
+    enter, steps, last_x, last_y = near, 0, x, y
     while True:
         steps += 1
         leave_x = (own(x) + ahead_x - ax) * inverse_x if step_x != 0 else -own(np.inf)
         leave_y = (own(y) + ahead_y - ay) * inverse_y if step_y != 0 else -own(np.inf)
         leave = max(leave_x, leave_y, far)
-        # The four layers are ordered: the first column that the ray's interval touches is the nearest.
+        # The four layers are ordered: the first that the ray meets is the nearest.
         for k in range(PACK):
             u = pack[y, x, k]
             if u < leave:
                 break
-            if u - thickness < enter or u <= enter:
-                return k, x, y, min(u, enter), steps
+            if u <= enter:
+                return k, x, y, u, steps
+            if steps > 1 and _goes_on(packs, last_x, last_y, u - extension, enter):
+                return k, x, y, enter, steps
         if leave <= far:
             break
+        last_x, last_y, enter = x, y, leave
         if leave_x > leave_y:
             x += step_x
         else:
             y += step_y
         if x < 0 or y < 0 or x >= width or y >= height:
             break
-        enter = leave
     return -1, x, y, far, steps
+
+
+@inline
+def _goes_on(packs, x, y, low, high):
+    """Whether the texel (x, y) has a sample between low and high: a surface that the ray has not passed yet."""
+    for group in range(packs.shape[0]):
+        for k in range(PACK):
+            u = packs[group, y, x, k]
+            if u < low:
+                return False
+            if u <= high:
+                return True
+    return False
 
 
 @inline
@@ -124,47 +142,31 @@ def _start(a, w, near, size):
 
 
 @inline
-def look_up(packs, values, group, slot, x, y, right, down, linear, out):
-    """Read the sample's values into out (C,), as they are or bilinearly.
+def neighbours(packs, layer, x, y, right, down):
+    """Where to read bilinearly: for the texel across, along and both ways (layer, x, y), and the weights fx, fy.
 
-    packs (G, H, W, 4), values (N, H, W, C). (right, down) is the hit's place from the texel's centre [px]. Bilinear
-    means among neighbours of the same surface; where it has none, the sample stands in.
+    packs (G, H, W, 4). (right, down) is the hit's place from the texel's centre [px]. Only samples of the same surface
+    count; where a texel has none, the hit one stands in.
     """
-    layer = group * PACK + slot
-    if not linear:
-        for c in range(len(out)):
-            out[c] = values[layer, y, x, c]
-        return
-    own = values.dtype.type
-    half, one = own(0.5), own(1.0)
-    fx, fy = min(abs(own(right)), half), min(abs(own(down)), half)
-    side_x = min(max(x + (1 if right > 0.0 else -1), 0), values.shape[2] - 1)
-    side_y = min(max(y + (1 if down > 0.0 else -1), 0), values.shape[1] - 1)
-    u = packs[group, y, x, slot]
-    across = _same_surface(packs, u, side_x, y)
-    along = _same_surface(packs, u, x, side_y)
-    corner = _same_surface(packs, u, side_x, side_y)
-    ax = side_x if across >= 0 else x
-    ay = side_y if along >= 0 else y
-    cx, cy = (side_x, side_y) if corner >= 0 else (x, y)
-    across = across if across >= 0 else layer
-    along = along if along >= 0 else layer
-    corner = corner if corner >= 0 else layer
-    for c in range(len(out)):
-        upper = values[layer, y, x, c] * (one - fx) + values[across, y, ax, c] * fx
-        lower = values[along, ay, x, c] * (one - fx) + values[corner, cy, cx, c] * fx
-        out[c] = upper * (one - fy) + lower * fy
+    own = type(right)
+    side_x = min(max(x + (1 if right > 0.0 else -1), 0), packs.shape[2] - 1)
+    side_y = min(max(y + (1 if down > 0.0 else -1), 0), packs.shape[1] - 1)
+    u = packs[layer // PACK, y, x, layer % PACK]
+    across = _same_surface(packs, u, layer, x, y, side_x, y)
+    along = _same_surface(packs, u, layer, x, y, x, side_y)
+    corner = _same_surface(packs, u, layer, x, y, side_x, side_y)
+    return across, along, corner, min(abs(right), own(0.5)), min(abs(down), own(0.5))
 
 
 @inline
-def _same_surface(packs, u, x, y):
-    """The layer of texel (x, y) that goes on from a sample at u; -1: none."""
+def _same_surface(packs, u, layer, x, y, side_x, side_y):
+    """(layer, x, y) of the sample at a side texel that goes on from one at u; the sample itself if there is none."""
     own = type(u)
     for group in range(packs.shape[0]):
         for k in range(PACK):
-            other = packs[group, y, x, k]
+            other = packs[group, side_y, side_x, k]
             if other < u - own(_SAME_SURFACE):
-                return -1
+                return layer, x, y
             if other <= u + own(_SAME_SURFACE):
-                return group * PACK + k
-    return -1
+                return group * PACK + k, side_x, side_y
+    return layer, x, y
