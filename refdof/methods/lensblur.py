@@ -13,15 +13,14 @@ share of rays that count as missed.
 
 Departures from the paper
 -------------------------
-- The paper extends every silhouette pixel to its neighbours' centres, on all sides. That moves every silhouette outwards
-  by half a pixel (measured on `town`, 320x240: 2.6 dB). Peeling needs less: only a ray that comes into a pixel from the
-  side, below its sample and above a surface in the pixel before that lies inside the sample's umbra, can have passed a
-  dropped surface or slipped through a slanted one. It meets the sample (`refdof.raster.texel_walk`).
-- The test of a texel is not given: else a ray meets a sample if its interval of inverse depth inside the texel holds the
-  sample's.
-- Rays that leave the picture are not spoken of. Here a ray is a miss if it ends outside the picture, comes into it behind
-  its border's surfaces, or ends behind a full stack of layers; `misses` says what it counts. Other rays that meet
-  nothing see the background.
+- The paper extends every silhouette pixel to its neighbours' centres. On all sides, that moves silhouettes outwards by
+  half a pixel (measured on `town`, 320x240, all layers: 28.8 dB fall to 26.0). Peeling needs less: only a ray that comes
+  into a pixel from the side, below its sample and above a surface of the pixel before that lies inside the sample's
+  umbra, can have passed a dropped surface or slipped through a slanted one. That ray meets the sample.
+- The test of a texel is not given: here a ray meets a sample if it passes the sample's depth inside the texel.
+- Rays that leave the picture are not spoken of. Here a ray is a miss if it ends outside the picture, comes into it
+  behind its border's surfaces, or ends behind a full stack of layers; `misses` says what it counts. Other rays that
+  meet nothing see the background.
 - `filter="linear"` reads colours bilinearly inside one surface; "nearest" takes the sample, as the text has it.
 - [1] states a fourth of the rays as enough to bound a footprint, and uses all; a thin lens needs none.
 - "1/4th resolution" of the N-buffer with "a factor of four" in memory: half the resolution along each axis.

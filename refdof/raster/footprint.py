@@ -30,8 +30,8 @@ def narrow(lowest, highest, block, size, rays, stride, center, near, far, extens
     """Cut [far, near] to where the rays of one pixel can hit: returns near and far, near < far if nowhere.
 
     lowest, highest (L, h, w) and block are an N-buffer of u; size is (width, height) [px]; rays (4, N) are ax, ay, wx,
-    wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray
-    is bounded.
+    wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y,
+    u of the focal plane); else every stride-th ray is bounded.
     """
     own = lowest.dtype.type
     for _ in range(iterations):
@@ -56,7 +56,7 @@ def narrow(lowest, highest, block, size, rays, stride, center, near, far, extens
 def _texel(place, size):
     """The texel of a place along one axis, in the picture."""
     own = type(place)
-    return int(math.floor(min(max(place, own(0.0)), own(size - 1))))
+    return math.floor(min(max(place, own(0.0)), own(size - 1)))
 
 
 @inline

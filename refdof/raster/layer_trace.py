@@ -12,7 +12,7 @@ A ray that meets nothing sees the background where that is certain. It is a miss
 - if it ends behind a stack that is full, where layers may be missing.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.lens_pattern import LensPattern
 from refdof.raster.attributes import ATTRIBUTES, shade_attributes
-from refdof.raster.footprint import narrow, ray_bounds, thin_lens_bounds
+from refdof.raster.footprint import narrow, ray_bounds
 from refdof.raster.nbuffer import n_buffer
 from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 from refdof.shot import Shot
@@ -116,15 +116,16 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
         np.empty((height, width), dtype=np.float32),
     )
-    lens, weights, focus = lens.astype(dtype), pattern.weights, dtype.type(focus)
-    stack = stack._replace(extension=dtype.type(stack.extension))
-    top = stack.highest.reshape(groups, -1).max(axis=1)
+    lens, weights = lens.astype(dtype), pattern.weights
+    in_type: Any = dtype.type
+    stack, center = stack._replace(extension=in_type(stack.extension)), in_type(focus)
+    top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
     how = stride, iterations, MISSES.index(misses), bool(linear)
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
         _trace_rows(
-            stack, values, surfaces, shot, focus, lens, weights, pattern.set, pinhole, top, how, first, last, traced
+            stack, values, surfaces, shot, center, lens, weights, pattern.set, pinhole, top, how, first, last, traced
         )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
@@ -134,7 +135,12 @@ def trace_layers(
 @tile_kernel
 def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
-    packs, lowest, highest, extension = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.extension
+    packs, lowest, highest, extension = (
+        borrow(stack.packs),
+        borrow(stack.lowest),
+        borrow(stack.highest),
+        stack.extension,
+    )
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
     own = packs.dtype.type
     groups, height, width = packs.shape[:3]
@@ -186,7 +192,11 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 )
             if misses != _RENORMALISE or total == 0.0:
                 total += missed
-            traced.image[y, x, 0], traced.image[y, x, 1], traced.image[y, x, 2] = red / total, green / total, blue / total
+            traced.image[y, x, 0], traced.image[y, x, 1], traced.image[y, x, 2] = (
+                red / total,
+                green / total,
+                blue / total,
+            )
             traced.steps[y, x], traced.missed[y, x] = steps / rays.shape[1], share / rays.shape[1]
 
 

@@ -48,9 +48,7 @@ class Layers(NamedTuple):
     triangle: Index
 
 
-def peel(
-    surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None, umbra_step: float = 0.0
-) -> Layers:
+def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None, umbra_step: float = 0.0) -> Layers:
     """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
 
     umbra_step is how far a kept surface hides those behind it, in inverse depth [1 / unit of `surfaces`]: 0 keeps all,

@@ -1,24 +1,24 @@
 """Texel walk: the first surface that a ray meets in packed layers, texel by texel.
 
-A ray's place in the picture is affine in inverse depth. Inverse depth is counted in pixels of parallax, u = P E / depth:
-what two points of the lens, one radius apart, see u pixels apart. A ray is then
+A ray's place in the picture is affine in inverse depth, which is counted in pixels of parallax, u = P E / depth: two
+points of the lens, one radius apart, see a point at u in places u pixels apart. A ray is then
 
     x(u) = ax + u wx,  y(u) = ay + u wy,
 
-from u = near down to u = far. For a thin lens (wx, wy) is its lens point and all rays of a pixel meet at u = P E / focus;
-nothing here needs that, or that rays share a centre.
+from u = near down to u = far. For a thin lens (wx, wy) is its lens point, and all rays of a pixel meet at
+u = P E / focus; nothing here needs that, or that rays share a centre.
 
-1. layers are packed four by four                                  `pack_layers`
-2. a ray that starts outside the picture is cut at its border      `enter_picture`
-3. it goes from texel to texel [2], four layers at once            `first_hit`
-4. colours are read there, or between texels                           `neighbours`
+1. layers are packed four by four                               `pack_layers`
+2. a ray that starts outside the picture is cut at its border   `enter_picture`
+3. it goes from texel to texel [2], four layers at once         `first_hit`
+4. colours are read there, or between texels                    `neighbours`
 
 A ray meets a sample if it passes its depth inside the texel. A ray that comes into the texel from the side, already
-behind the sample, meets it on the way in if it comes from above a surface that belongs to the sample's: the texel before
-has a sample between the ray and `extension` below the new one. That is where peeling may have dropped a surface (the
-extension is the umbra's length), and where a slanted surface crosses from texel to texel: a plane that the whole lens
-sees from one side falls by less than one pixel of parallax a pixel. A farther surface is another one, and the ray sees
-past the silhouette.
+behind the sample, meets it on the way in if it comes from above a surface that belongs to the sample's: the texel
+before has a sample between the ray and `extension` below the new one. That is where peeling may have dropped a surface
+(the extension is the umbra's length), and where a slanted surface crosses from texel to texel: a plane that the whole
+lens sees from one side falls by less than one pixel of parallax a pixel. A farther surface is another one, and the ray
+sees past the silhouette.
 
 References
 ----------
@@ -128,7 +128,7 @@ def _start(a, w, near, size):
     The texel agrees with the crossings that the walk computes, so that a walk begun later passes the same texels.
     """
     own = type(a)
-    at = min(max(int(math.floor(a + near * w)), 0), size - 1)
+    at = min(max(math.floor(a + near * w), 0), size - 1)
     if abs(w) < own(1e-20):
         return at, 0, own(0.0)
     inverse = own(1.0) / w
