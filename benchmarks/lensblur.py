@@ -81,7 +81,7 @@ def measure(view, truth, scene, study, params, rounds):
         "steps": float(stages["steps"].mean()),
         "missed": float(stages["missed"].mean()),
         "layers": len(stages["parallax"]),
-        "levels": 1 + int(max((side + 1) // 2 for side in truth.shape[:2]) - 1).bit_length(),
+        "levels": stages["lowest"].shape[1],
     }
 
 

@@ -177,6 +177,8 @@ def test_stages_are_recorded():
     assert {name: array.shape for name, array in stages.items()} == {
         "parallax": (4, 16, 24),
         "layer_count": (16, 24),
+        "lowest": (1, 5, 8, 12),
+        "highest": (1, 5, 8, 12),
         "points": (1, 5, 2),
         "set": (1, 1),
         "near": (1, 16, 24),

@@ -7,16 +7,16 @@
 5. Average what the rays meet                                                   `_trace_rows`
 
 Stages: "parallax" (N, H, W), inverse depth in px of parallax; "layer_count" (H, W), layers there are, stored or not;
-"points" (K, R, 2), lens points, and "set" (n, n), which of the K sets each pixel of a tile takes; "near" and "far"
-(G, H, W), the range of parallax left of each pack of four; "steps" (H, W), texels walked per ray; "missed" (H, W), the
-share of rays that count as missed.
+"points" (K, R, 2), lens points, and "set" (n, n), which of the K sets each pixel of a tile takes; "near" and "far" (G,
+H, W), the range of parallax left of each pack of four; "lowest" and "highest" (G, L, h, w), its N-buffers; "steps" (H,
+W), texels walked per ray; "missed" (H, W), the share of rays that count as missed.
 
 Departures from the paper
 -------------------------
 - The paper extends every silhouette pixel to its neighbours' centres. On all sides, that moves silhouettes outwards by
-  half a pixel (measured on `town`, 320x240, all layers: 28.8 dB fall to 26.0). Peeling needs less: only a ray that comes
-  into a pixel from the side, below its sample and above a surface of the pixel before that lies inside the sample's
-  umbra, can have passed a dropped surface or slipped through a slanted one. That ray meets the sample.
+  half a pixel (measured on `town`, 320x240, all layers: 28.8 dB fall to 26.0). Peeling needs less: only a ray that
+  comes into a pixel from the side, below its sample and above a surface of the pixel before that lies inside the
+  sample's umbra, can have passed a dropped surface or slipped through a slanted one. That ray meets the sample.
 - The test of a texel is not given: here a ray meets a sample if it passes the sample's depth inside the texel.
 - Rays that leave the picture are not spoken of. Here a ray is a miss if it ends outside the picture, comes into it
   behind its border's surfaces, or ends behind a full stack of layers; `misses` says what it counts. Other rays that
@@ -146,6 +146,8 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     )
     trace.record("parallax", lambda: _parallax_of_layers(view, layers))
     trace.record("layer_count", lambda: view.surface_counts(extent))
+    trace.record("lowest", lambda: stack.lowest)
+    trace.record("highest", lambda: stack.highest)
     trace.record("points", lambda: pattern.points)
     trace.record("set", lambda: pattern.set)
     trace.record("near", lambda: traced.near)
