@@ -88,7 +88,8 @@ def measure(view, truth, scene, study, params, rounds):
 def table(rows):
     """The rows as Markdown."""
     lines = [
-        "| scene | study | parameters | PSNR | SSIM | RMSE | prepare [s] | blur [s] | steps | missed | layers | levels |",
+        "| scene | study | parameters | PSNR | SSIM | RMSE | prepare [s] | blur [s] | steps | missed | layers "
+        "| levels |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for r in rows:
