@@ -4,7 +4,6 @@ Methods share the products of a comparison. The time of a product is booked as `
 used it, whoever asked first; what nobody asks for is never made.
 """
 
-import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -140,8 +139,11 @@ class View:
         return self.product(f"surface counts extent {extent_px}", build)
 
     def _umbra_step(self, extent_px: int) -> float:
-        """`umbra_step` in the unit of the surfaces; 0 for extent 0."""
-        return math.ldexp(umbra_step(self.camera, self.lens, extent_px), self.surfaces().exponent) if extent_px else 0.0
+        """`umbra_step` in the unit of the surfaces; 0 for extent 0, inf where one surface hides all others."""
+        if extent_px == 0:
+            return 0.0
+        with np.errstate(over="ignore"):
+            return float(np.ldexp(umbra_step(self.camera, self.lens, extent_px), self.surfaces().exponent))
 
     def triangles(self) -> Triangles:
         """The triangles in camera space."""

@@ -109,7 +109,9 @@ def wall(depth, color=(1.0, 1.0, 1.0), left=-99.0):
 
 def test_missed_rays_count_as_asked():
     view = cards(wall(1.0))  # a circle of 10 px: every pixel loses some rays across the border, 16 px are all there is
-    results = {m: render_view("lensblur", view, True, misses=m) for m in ("renormalise", "black", "pinhole")}
+    results = {
+        m: render_view("lensblur", view, True, misses=m, samples=36) for m in ("renormalise", "black", "pinhole")
+    }
     missed = results["black"].stages["missed"][..., None]
     assert 0.3 < missed.mean() < 0.9
     np.testing.assert_allclose(results["renormalise"].image, 1.0, atol=1e-6)
@@ -121,7 +123,7 @@ def test_a_full_stack_hides_what_may_be_behind_it():
     # Behind the left card's edge lies the wall, which one layer does not hold: rays past the edge are missed there, and
     # no background leaks in.
     parts = [stage.rectangle(-99.0, 0.0, -99.0, 99.0, 1.5, (0.0, 0.0, 0.0)), wall(3.0, (0.0, 0.0, 0.0))]
-    one, two = (render_view("lensblur", cards(*parts), True, layers=k) for k in (1, 2))
+    one, two = (render_view("lensblur", cards(*parts), True, layers=k, samples=36) for k in (1, 2))
     assert one.image.max() == two.image.max() == 0.0
     inner = np.s_[4:12, 8:12]
     assert one.stages["missed"][inner].max() > 0.1
@@ -146,8 +148,20 @@ def test_a_slanted_plane_has_no_slits():
     tangent = np.array([-1.3, 1.3])
     depth = 1.0 / (0.62 + 0.45 * tangent)
     view = cards(stage.strips(tangent * depth, depth, -999.0, 999.0, np.ones(2)), background=(100.0, 100.0, 100.0))
-    assert render_view("lensblur", view).image.max() <= 1.0 + 1e-6
-    assert render_view("lensblur", view, peel="plain").image.max() > 1.1  # where no sample is extended
+    assert render_view("lensblur", view, samples=36).image.max() <= 1.0 + 1e-6
+    assert render_view("lensblur", view, samples=36, peel="plain").image.max() > 1.1  # where no sample is extended
+
+
+@pytest.mark.parametrize("radius", [1e-300, 1e-30, 1e6, 1e30])
+@pytest.mark.parametrize("focus", [1e-30, 2.0, np.inf])
+@pytest.mark.parametrize("unit", [1e-20, 1e20])
+def test_extreme_lenses_and_units_stay_inside_the_colours(radius, focus, unit):
+    near = stage.rectangle(-9.0 * unit, 2.0 * unit, -9.0 * unit, 9.0 * unit, 1.5 * unit, (0.2, 0.3, 0.4))
+    far = stage.rectangle(-99.0 * unit, 99.0 * unit, -99.0 * unit, 99.0 * unit, 4.0 * unit, (0.8, 0.7, 0.6))
+    view = cards(near, far, width=5, height=4, radius=radius, focus=focus)
+    image = render_view("lensblur", view, samples=5).image
+    assert image.min() >= 0.2 - 1e-6
+    assert image.max() <= 0.8 + 1e-6
 
 
 @pytest.mark.parametrize(

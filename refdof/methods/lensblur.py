@@ -4,7 +4,7 @@
 2. Pack them four by four, with N-buffers of their extremes                     `_stack`
 3. Per pixel, cut all lens rays to the depths at which they can meet a layer    `refdof.raster.footprint`
 4. Walk each ray from texel to texel to the nearest surface                     `refdof.raster.texel_walk`
-5. Average what the rays meet                                                   `_trace_rows`
+5. Average what the rays meet                                                   `refdof.raster.layer_trace`
 
 Stages: "parallax" (N, H, W), inverse depth in px of parallax; "layer_count" (H, W), layers there are, stored or not;
 "points" (K, R, 2), lens points, and "set" (n, n), which of the K sets each pixel of a tile takes; "near" and "far" (G,
