@@ -96,15 +96,15 @@ def room(seed, material=None):
     return View(stage.scene_of(parts, shot, lens, (1000.0, 1000.0, 1000.0)), shot, lens)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(12))
 def test_no_ray_slips_through_a_closed_room(seed):
     view = room(seed)
-    four, every = (render_view("lensblur", view, True, layers=k, peel="extended") for k in (4, 0))
-    leaks = [int((result.image > 1.0 + 1e-6).any(axis=-1).sum()) for result in (four, every)]
     inner = np.s_[12:-12, 12:-12]  # rays end at most 50 * 0.2 / 5 = 2 px aside, and begin 50 * 0.2 / 2 = 5 px further
-    assert leaks == [0, 0]
-    assert every.stages["missed"][inner].max() == 0.0
-    assert four.stages["missed"][inner].max() == 0.0
+    for layers in (4, 0):
+        result = render_view("lensblur", view, True, layers=layers)
+        assert result.image.max() <= 1.0 + 1e-6
+        assert result.stages["missed"][inner].max() == 0.0
+    assert render_view("lensblur", view, peel="plain").image.max() > 1.0  # where no sample is extended
 
 
 def test_a_quarter_of_the_rays_bounds_a_smaller_footprint():

@@ -54,6 +54,7 @@ PEELS = {"plain": 0, "umbra": 1, "extended": 2}  # extent of the blocker [px]
 FOOTPRINTS = {"closed": 0, "rays": 1, "quarter": 4}  # every how many rays are bounded; 0: none
 FILTERS = ("nearest", "linear")
 _BLOCK = 2  # px, [1]: a quarter of the pixels
+_FALL = 0.25  # px of parallax by which a dropped surface may be farther in the texel before; 0 leaves pinholes
 _LARGEST = 1e30  # px of parallax: beyond it products leave float32
 
 
@@ -158,8 +159,10 @@ def render(view: View, params: Params, trace: Trace) -> Float:
 
 
 def _stack(view: View, layers: Layers, params: Params) -> Stack:
-    """The layers packed, with N-buffers. Samples are extended as far as they hide others in peeling."""
-    return new_stack(_parallax_of_layers(view, layers), 0.5 * PEELS[params.peel], params.layers == 0, _BLOCK)
+    """The layers packed, with N-buffers. Samples are extended as far as they hide others in peeling, and a little."""
+    extent = PEELS[params.peel]
+    extension = 0.5 * extent + _FALL if extent else 0.0
+    return new_stack(_parallax_of_layers(view, layers), extension, params.layers == 0, _BLOCK)
 
 
 def _parallax_of_layers(view: View, layers: Layers) -> Float:
