@@ -97,6 +97,23 @@ def test_bounds_and_n_buffers_change_no_bit(seed, size, dtype):
         assert (cut.near <= whole.near).all()
 
 
+def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
+    # Two texels: u = 9.5, and 20, 19, 18, 17, 10. The ray x = 0.5 - (u - 10.2) comes from the first into the second at
+    # u = 9.7: below 10, above 9.5. The second pack alone holds 10, the first alone 9.5.
+    parallax = np.full((5, 1, 2), -np.inf)
+    parallax[0, 0, 0], parallax[:, 0, 1] = 9.5, (20.0, 19.0, 18.0, 17.0, 10.0)
+    color = np.zeros((5, 1, 2, 3), dtype=np.float32)
+    color[4, 0, 1] = (1.0, 2.0, 3.0)
+    pattern = LensPattern(np.array([[[-1.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), dtype=np.int32))
+    view = empty_view(2, 1)
+    for iterations in (0, 3):
+        traced = trace_layers(
+            new_stack(parallax, 1.0, True), color, view.surfaces(), view.shot(), 10.2, pattern,
+            np.zeros((1, 2, 3), dtype=np.float32), iterations=iterations,
+        )  # fmt: skip
+        np.testing.assert_array_equal(traced.image[0, 0], [1.0, 2.0, 3.0])
+
+
 def cards(*parts, width=24, height=16, radius=2.0, focus=2.0, background=BACKGROUND):
     """A view of cards; a card at depth d has 10 radius |1 / focus - 1 / d| px of blur."""
     shot = stage.camera(width, height, 10.0)
