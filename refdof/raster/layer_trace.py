@@ -3,7 +3,7 @@
 1. the rays of a pixel                                       `_aim_thin_lens`
 2. the depths at which they can hit each pack                `refdof.raster.footprint`
 3. the nearest hit of each ray over all packs, or a miss     `_hit`
-4. its colour, or its attributes shaded                      `_radiance`
+4. its colour, or its attributes shaded                      `_hit_color`
 
 A ray that meets nothing sees the background where that is certain. It is a miss
 
@@ -99,7 +99,7 @@ def trace_layers(
         The focal plane [px of parallax].
     pattern : LensPattern
     pinhole : (H, W, 3) float32
-        Where all rays of a pixel are missed, and for `misses` = "pinhole".
+        What missed rays see if `misses` is "pinhole", or if it is "renormalise" and none is left.
     stride, iterations
         Of `narrow`.
     misses : one of `MISSES`
@@ -117,8 +117,8 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
     )
     lens, weights = lens.astype(dtype), pattern.weights
-    in_type: Any = dtype.type
-    stack, center = stack._replace(extension=in_type(stack.extension)), in_type(focus)
+    own: Any = dtype.type
+    stack, center = stack._replace(extension=own(stack.extension)), own(focus)
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
     how = stride, iterations, MISSES.index(misses), bool(linear)
 
@@ -135,12 +135,7 @@ def trace_layers(
 @tile_kernel
 def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
-    packs, lowest, highest, extension = (
-        borrow(stack.packs),
-        borrow(stack.lowest),
-        borrow(stack.highest),
-        stack.extension,
-    )
+    packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
     own = packs.dtype.type
     groups, height, width = packs.shape[:3]
@@ -156,7 +151,7 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
             for group in range(groups):
                 near[group], far[group] = narrow(
                     lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], own(0.0), extension, iterations,
+                    top[group], own(0.0), stack.extension, iterations,
                 )  # fmt: skip
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
@@ -166,7 +161,9 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 if weight == 0.0:
                     continue
                 ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
-                layer, at_x, at_y, u, walked = _hit(packs, ax, ay, wx, wy, near, far, extension, stack.last, inside)
+                layer, at_x, at_y, u, walked = _hit(
+                    packs, ax, ay, wx, wy, near, far, stack.extension, stack.last, inside
+                )
                 steps += walked
                 if layer == _MISS:
                     missed += weight
@@ -175,29 +172,17 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
                     right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
-                    r, g, b = _radiance(surfaces, shot, values, layer, at_x, at_y, ax, ay)
-                    if linear:
-                        across, along, corner, fx, fy = neighbours(packs, layer, at_x, at_y, right, down)
-                        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
-                        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
-                        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
-                        r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
+                    r, g, b = _hit_color(surfaces, shot, packs, values, linear, layer, at_x, at_y, right, down, ax, ay)
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
-            share = missed
-            if misses == _PINHOLE or total == 0.0:
-                red, green, blue = (
-                    red + missed * pinhole[y, x, 0],
-                    green + missed * pinhole[y, x, 1],
-                    blue + missed * pinhole[y, x, 2],
-                )
+            if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
+                red += missed * pinhole[y, x, 0]
+                green += missed * pinhole[y, x, 1]
+                blue += missed * pinhole[y, x, 2]
             if misses != _RENORMALISE or total == 0.0:
                 total += missed
-            traced.image[y, x, 0], traced.image[y, x, 1], traced.image[y, x, 2] = (
-                red / total,
-                green / total,
-                blue / total,
-            )
-            traced.steps[y, x], traced.missed[y, x] = steps / rays.shape[1], share / rays.shape[1]
+            image = traced.image[y, x]
+            image[0], image[1], image[2] = red / total, green / total, blue / total
+            traced.steps[y, x], traced.missed[y, x] = steps / rays.shape[1], missed / rays.shape[1]
 
 
 @inline
@@ -246,6 +231,19 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
         if last >= 0 and packs[last // PACK, int(ay), int(ax), last % PACK] > 0.0:
             return _MISS, 0, 0, best, steps
     return layer, x, y, best, steps
+
+
+@inline
+def _hit_color(surfaces, shot, packs, values, linear, layer, x, y, right, down, ax, ay):
+    """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
+    r, g, b = _radiance(surfaces, shot, values, layer, x, y, ax, ay)
+    if linear:
+        across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
+        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
+        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
+        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
+        r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
+    return r, g, b
 
 
 @inline
