@@ -15,8 +15,9 @@ import numpy as np
 from refdof._check import Float, Index, InputError
 from refdof.camera import Camera
 from refdof.lens import ThinLens
-from refdof.raster.peel import Layers, peel
+from refdof.raster.peel import Layers, count_surfaces, peel
 from refdof.raster.raycast import Tracer, new_tracer
+from refdof.raster.umbra import umbra_step
 from refdof.scene import Scene
 from refdof.shot import Shot, shot_of
 from refdof.surfaces import Surfaces, surfaces_of
@@ -115,6 +116,34 @@ class View:
             return peel(self.surfaces(), self.tracer(), self.shot(), count)
 
         return self.product(f"layers {count or 'all'}", build)
+
+    def umbra_layers(self, count: int | None = None, extent_px: int = 2) -> Layers:
+        """The nearest `count` surfaces that the lens can see past the ones before, `refdof.raster.umbra`; None: all."""
+
+        def build() -> Layers:
+            return peel(self.surfaces(), self.tracer(), self.shot(), count, self._umbra_step(extent_px))
+
+        return self.product(f"umbra layers {count or 'all'} extent {extent_px}", build)
+
+    def surface_counts(self, extent_px: int = 0) -> Index:
+        """How many surfaces lie at each pixel centre; with an extent of 1 or 2 px, how many umbra layers.
+
+        Returns
+        -------
+        (H, W) int32
+        """
+
+        def build() -> Index:
+            return count_surfaces(self.surfaces(), self.tracer(), self.shot(), self._umbra_step(extent_px))
+
+        return self.product(f"surface counts extent {extent_px}", build)
+
+    def _umbra_step(self, extent_px: int) -> float:
+        """`umbra_step` in the unit of the surfaces; 0 for extent 0, inf where one surface hides all others."""
+        if extent_px == 0:
+            return 0.0
+        with np.errstate(over="ignore"):
+            return float(np.ldexp(umbra_step(self.camera, self.lens, extent_px), self.surfaces().exponent))
 
     def triangles(self) -> Triangles:
         """The triangles in camera space."""

@@ -24,6 +24,7 @@ FAST = {
     "test_lens_pattern.py",
     "test_mipmap.py",
     "test_multiview.py",
+    "test_lensblur.py",
     "test_nbuffer.py",
     "test_owen.py",
     "test_planar.py",

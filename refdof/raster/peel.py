@@ -6,6 +6,9 @@ ray at the same depth, have one stated order. A ray through an edge or a corner 
 meets that surface once: the lowest triangle id is kept. At a silhouette, front and back meet the ray in one point and
 both count.
 
+With an umbra step, only the surfaces that the lens can see past the one before are kept, as `refdof.raster.umbra` has
+it: what is dropped is never stored.
+
 References
 ----------
 .. [1] Everitt (2001), Interactive Order-Independent Transparency (depth peeling).
@@ -19,6 +22,7 @@ import numpy as np
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
 from refdof.raster.raycast import Tracer, new_collector
+from refdof.raster.umbra import reach_beyond
 from refdof.shading import shade, shading_normal
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces, intersect
@@ -44,8 +48,11 @@ class Layers(NamedTuple):
     triangle: Index
 
 
-def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None) -> Layers:
+def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None, umbra_step: float = 0.0) -> Layers:
     """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
+
+    umbra_step is how far a kept surface hides those behind it, in inverse depth [1 / unit of `surfaces`]: 0 keeps all,
+    coplanar ones included.
 
     Raises
     ------
@@ -53,7 +60,7 @@ def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = Non
         If count < 1.
     """
     if count is None:
-        count = max(1, int(count_surfaces(surfaces, tracer, shot).max(initial=0)))
+        count = max(1, int(count_surfaces(surfaces, tracer, shot, umbra_step).max(initial=0)))
     count = as_integer("count", count, minimum=1)
     shape = (count, shot.height, shot.width)
     layers = Layers(
@@ -62,12 +69,12 @@ def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = Non
         np.zeros((*shape, 3), dtype=np.float32),
         np.full(shape, -1, dtype=np.int32),
     )
-    _run(surfaces, tracer, shot, layers)
+    _run(surfaces, tracer, shot, layers, umbra_step)
     return layers
 
 
-def count_surfaces(surfaces: Surfaces, tracer: Tracer, shot: Shot) -> Index:
-    """How many surfaces the ray through each pixel's centre meets: (H, W) int32."""
+def count_surfaces(surfaces: Surfaces, tracer: Tracer, shot: Shot, umbra_step: float = 0.0) -> Index:
+    """How many surfaces the ray through each pixel's centre meets, or the lens can see: (H, W) int32."""
     empty = (0, shot.height, shot.width)
     layers = Layers(
         np.zeros((*empty, 3), dtype=np.float32),
@@ -75,10 +82,10 @@ def count_surfaces(surfaces: Surfaces, tracer: Tracer, shot: Shot) -> Index:
         np.zeros((*empty, 3), dtype=np.float32),
         np.zeros(empty, dtype=np.int32),
     )
-    return _run(surfaces, tracer, shot, layers)
+    return _run(surfaces, tracer, shot, layers, umbra_step)
 
 
-def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers) -> Index:
+def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers, umbra_step: float) -> Index:
     """Fill `layers` in bands of rows; a band with more surfaces than expected is run again with more room."""
     counts = np.zeros((shot.height, shot.width), dtype=np.int32)
 
@@ -86,25 +93,27 @@ def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers) -> Inde
         last, capacity = min(first + _ROWS_PER_TASK, shot.height), _FIRST_CAPACITY
         while True:
             memory = new_collector(capacity)
-            _peel_rows(surfaces, tracer.scene, tracer.single, shot, first, last, memory, layers, counts)
-            most = int(counts[first:last].max(initial=0))
-            if most <= capacity:
+            found = _peel_rows(
+                surfaces, tracer.scene, tracer.single, shot, umbra_step, first, last, memory, layers, counts
+            )
+            if found <= capacity:
                 return
-            capacity = 2 * most
+            capacity = 2 * found
 
     run_tasks(band, range(0, shot.height, _ROWS_PER_TASK))
     return counts
 
 
 @tile_kernel
-def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, counts):
-    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`."""
+def _peel_rows(surfaces, scene, single, shot, umbra_step, first, last, memory, layers, counts):
+    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel."""
     surfaces = borrow_surfaces(surfaces)
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)
     scale = 1.0 / shot.pixels_per_tangent
     unit = 2.0**surfaces.exponent
+    most = 0
     for y in range(first, last):
         for x in range(shot.width):
             dx, dy = (x + 0.5 - 0.5 * shot.width) * scale, (0.5 * shot.height - y - 0.5) * scale
@@ -117,10 +126,10 @@ def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, count
                 t, _, _ = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
                 if t > 0.0 and t < np.inf:
                     kept = _insert(depth, triangle, kept, t, face)
-            if memory.context[3] > capacity:
-                counts[y, x] = memory.context[3]
-                continue
+            most = max(most, memory.context[3])
             kept = _once_per_surface(surfaces.corner, depth, triangle, kept, dx, dy)
+            if umbra_step > 0.0:
+                kept = _drop_hidden(depth, triangle, kept, umbra_step)
             counts[y, x] = kept
             for k in range(min(kept, len(layers.depth))):
                 face = triangle[k]
@@ -135,6 +144,7 @@ def _peel_rows(surfaces, scene, single, shot, first, last, memory, layers, count
                 )
                 nx, ny, nz = shading_normal(surfaces, face, 1.0 - u - v, u, v, dx, dy, -1.0)
                 layers.normal[k, y, x, 0], layers.normal[k, y, x, 1], layers.normal[k, y, x, 2] = nx, ny, nz
+    return most
 
 
 @inline
@@ -178,6 +188,19 @@ def _once_per_surface(corner, depth, triangle, count, dx, dy):
                 break
             again = again or _share_point(corner, triangle[j], triangle[k], dx, dy)
         if not again:
+            depth[kept], triangle[kept] = depth[k], triangle[k]
+            kept += 1
+    return kept
+
+
+@inline
+def _drop_hidden(depth, triangle, count, umbra_step):
+    """Drop surfaces in the umbra of the kept one before; returns the new count."""
+    kept, reach = 0, np.inf
+    for k in range(count):
+        nearness = 1.0 / depth[k]
+        if nearness > 0.0 and nearness < reach:
+            reach = reach_beyond(nearness, umbra_step)
             depth[kept], triangle[kept] = depth[k], triangle[k]
             kept += 1
     return kept

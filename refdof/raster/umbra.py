@@ -24,11 +24,11 @@ import math
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_number
-from refdof._jit import kernel, prange
+from refdof._jit import inline, kernel, prange
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 
-__all__ = ["survivors", "umbra_step", "worst_case_layers"]
+__all__ = ["reach_beyond", "survivors", "umbra_step", "worst_case_layers"]
 
 
 def umbra_step(camera: Camera, lens: ThinLens, extent_px: int = 2) -> float:
@@ -97,5 +97,11 @@ def _keep(depth, step):
                 if nearness > 0.0 and nearness < reach:
                     kept[count[y, x], y, x] = k
                     count[y, x] += 1
-                    reach = nearness - step
+                    reach = reach_beyond(nearness, step)
     return kept, count
+
+
+@inline
+def reach_beyond(nearness, step):
+    """The inverse depth below which the next surface is seen past one at `nearness`: x = d s / (E - s) of [1]."""
+    return nearness - step

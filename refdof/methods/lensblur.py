@@ -1,0 +1,178 @@
+"""Lens blur: a few layers that hide each other as the lens sees them, and lens rays traced through them.
+
+1. Peel layers, each beyond the umbra of the one before                         `View.umbra_layers`
+2. Pack them four by four, with N-buffers of their extremes                     `_stack`
+3. Per pixel, cut all lens rays to the depths at which they can meet a layer    `refdof.raster.footprint`
+4. Walk each ray from texel to texel to the nearest surface                     `refdof.raster.texel_walk`
+5. Average what the rays meet                                                   `refdof.raster.layer_trace`
+
+Stages: "parallax" (N, H, W), inverse depth in px of parallax; "layer_count" (H, W), layers there are, stored or not;
+"points" (K, R, 2), lens points, and "set" (n, n), which of the K sets each pixel of a tile takes; "near" and "far" (G,
+H, W), the range of parallax left of each pack of four; "lowest" and "highest" (G, L, h, w), its N-buffers; "steps" (H,
+W), texels walked per ray; "missed" (H, W), the share of rays that count as missed.
+
+Departures from the paper
+-------------------------
+- The paper extends every silhouette pixel to its neighbours' centres. On all sides, that moves silhouettes outwards by
+  half a pixel (measured on `town`, 320x240, all layers: 28.8 dB fall to 26.0). Peeling needs less: only a ray that
+  comes into a pixel from the side, below its sample and above a surface of the pixel before that lies inside the
+  sample's umbra, can have passed a dropped surface or slipped through a slanted one. That ray meets the sample.
+- The test of a texel is not given: here a ray meets a sample if it passes the sample's depth inside the texel.
+- Rays that leave the picture are not spoken of. Here a ray is a miss if it ends outside the picture, comes into it
+  behind its border's surfaces, or ends behind a full stack of layers; `misses` says what it counts. Other rays that
+  meet nothing see the background.
+- `filter="linear"` reads colours bilinearly inside one surface; "nearest" takes the sample, as the text has it.
+- [1] states a fourth of the rays as enough to bound a footprint, and uses all; a thin lens needs none.
+- "1/4th resolution" of the N-buffer with "a factor of four" in memory: half the resolution along each axis.
+- Peeled layers come from exact ray casting, back faces included.
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, ACM Transactions on Graphics 29(4).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdof._check import Float, as_choice, as_integer
+from refdof.lens_pattern import JITTERS, lens_pattern
+from refdof.raster.attributes import attributes_of
+from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
+from refdof.raster.peel import Layers
+from refdof.sampling import PATTERNS
+from refdof.trace import Trace
+from refdof.view import View
+
+__all__ = ["CITATION", "PROMISES", "Params", "render"]
+
+CITATION = "lee2010"
+PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion")
+
+PEELS = {"plain": 0, "umbra": 1, "extended": 2}  # extent of the blocker [px]
+FOOTPRINTS = {"closed": 0, "rays": 1, "quarter": 4}  # every how many rays are bounded; 0: none
+FILTERS = ("nearest", "linear")
+_BLOCK = 2  # px, [1]: a quarter of the pixels
+_FALL = 0.25  # px of parallax by which a dropped surface may be farther in the texel before; 0 leaves pinholes
+_LARGEST = 1e30  # px of parallax: beyond it products leave float32
+
+
+@dataclass(frozen=True)
+class Params:
+    """What the paper leaves open.
+
+    Parameters
+    ----------
+    samples : int
+        Lens rays per pixel, 1 .. 4096.
+    layers : int
+        Layers to store, 0 .. 1024; 0 takes as many as there are.
+    peel : "extended", "umbra" or "plain"
+        What a layer hides of the next: the umbra of a pixel that reaches its neighbours' centres (the paper's), of the
+        pixel itself, or nothing but itself.
+    jitter : one of `refdof.lens_pattern.JITTERS`
+    pattern : one of `refdof.sampling.PATTERNS`
+        Of the lens points; "halton" jitter always takes Halton.
+    footprint : "closed", "rays" or "quarter"
+        Bounds of a pixel's rays: closed form of the thin lens, the quad around all rays, or around every fourth, which
+        may cut off rays.
+    iterations : int
+        How often rays are cut to the depths in their footprint, 0 .. 16; 0 leaves the N-buffers unused.
+    misses : "renormalise", "black" or "pinhole"
+        A missed ray is left out, is black, or sees what the pinhole sees.
+    filter : "linear" or "nearest"
+        How the colour of a hit is read.
+    deferred : bool
+        Shade every hit against its own ray, not the pinhole's.
+    seed : int
+        >= 0.
+    """
+
+    samples: int = 100  # [1], all figures
+    layers: int = 4
+    peel: str = "extended"
+    jitter: str = "none"
+    pattern: str = "vogel"
+    footprint: str = "closed"
+    iterations: int = 3  # [1]: a good trade-off
+    misses: str = "renormalise"
+    filter: str = "linear"
+    deferred: bool = False
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, least, most in (("samples", 1, 4096), ("layers", 0, 1024), ("iterations", 0, 16)):
+            object.__setattr__(self, name, as_integer(name, getattr(self, name), minimum=least, maximum=most))
+        object.__setattr__(self, "seed", as_integer("seed", self.seed, minimum=0))
+        for name, allowed in (
+            ("peel", PEELS),
+            ("jitter", JITTERS),
+            ("pattern", PATTERNS),
+            ("footprint", FOOTPRINTS),
+            ("misses", MISSES),
+            ("filter", FILTERS),
+        ):
+            as_choice(name, getattr(self, name), allowed)
+        object.__setattr__(self, "deferred", bool(as_integer("deferred", int(self.deferred), minimum=0, maximum=1)))
+
+
+def render(view: View, params: Params, trace: Trace) -> Float:
+    """Render `view`: (H, W, 3) float32 linear RGB."""
+    pinhole = view.pinhole().color
+    if view.lens.radius == 0.0:
+        return pinhole
+    extent, count = PEELS[params.peel], params.layers or None
+    layers = view.umbra_layers(count, extent) if extent else view.layers(count)
+    name = f"{params.peel} {params.layers}"
+    stack = view.product(f"lensblur stack {name}", lambda: _stack(view, layers, params))
+    values = layers.color
+    if params.deferred:
+        values = view.product(
+            f"lensblur attributes {name}", lambda: attributes_of(view.surfaces(), view.shot(), layers.triangle)
+        )
+    pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
+    traced = trace_layers(
+        stack,
+        values,
+        view.surfaces(),
+        view.shot(),
+        float(_parallax(view, view.lens.focus_distance)),
+        pattern,
+        pinhole,
+        stride=FOOTPRINTS[params.footprint],
+        iterations=params.iterations,
+        misses=params.misses,
+        linear=params.filter == "linear",
+    )
+    trace.record("parallax", lambda: _parallax_of_layers(view, layers))
+    trace.record("layer_count", lambda: view.surface_counts(extent))
+    trace.record("lowest", lambda: stack.lowest)
+    trace.record("highest", lambda: stack.highest)
+    trace.record("points", lambda: pattern.points)
+    trace.record("set", lambda: pattern.set)
+    trace.record("near", lambda: traced.near)
+    trace.record("far", lambda: traced.far)
+    trace.record("steps", lambda: traced.steps)
+    trace.record("missed", lambda: traced.missed)
+    return traced.image
+
+
+def _stack(view: View, layers: Layers, params: Params) -> Stack:
+    """The layers packed, with N-buffers. Samples are extended as far as they hide others in peeling, and a little."""
+    extent = PEELS[params.peel]
+    extension = 0.5 * extent + _FALL if extent else 0.0
+    return new_stack(_parallax_of_layers(view, layers), extension, params.layers == 0, _BLOCK)
+
+
+def _parallax_of_layers(view: View, layers: Layers) -> Float:
+    """P E / depth (N, H, W) float32 [px]; -inf where empty."""
+    parallax = _parallax(view, layers.depth)
+    parallax[layers.triangle < 0] = -np.inf
+    return parallax.astype(np.float32)
+
+
+def _parallax(view: View, depth: Any) -> Float:
+    """P E / depth [px], float64: how far apart two points of the lens, a radius apart, see a point."""
+    with np.errstate(over="ignore"):
+        return np.minimum(view.camera.pixels_per_tangent * view.lens.radius / np.asarray(depth), _LARGEST)

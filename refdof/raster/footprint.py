@@ -1,0 +1,83 @@
+"""Footprint: the part of the picture under all rays of a pixel, and the range of inverse depths in which they can hit.
+
+1. bound the rays' places between two depths                       `thin_lens_bounds`, `ray_bounds`
+2. look up the nearest and the farthest surface in those bounds    `refdof.raster.nbuffer`
+3. cut the rays to that range, and begin again                     `narrow`
+
+Rays are those of `refdof.raster.texel_walk`: affine in u, inverse depth in pixels of parallax. Every cut keeps all
+that the rays can hit if the bounds hold all rays: `narrow` changes the work, not the picture.
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, Section 3.
+.. [2] Potmesil & Chakravarty (1981), A Lens and Aperture Camera Model for Synthetic Image Generation.
+"""
+
+import math
+
+import numpy as np
+
+from refdof._jit import inline
+from refdof.raster.nbuffer import highest_in, lowest_in
+
+__all__ = ["narrow", "ray_bounds", "thin_lens_bounds"]
+
+_MARGIN = 0.01  # px: the walk may round a ray's place across a texel's border
+
+
+@inline
+def narrow(lowest, highest, block, size, rays, stride, center, near, far, extension, iterations):
+    """Cut [far, near] to where the rays of one pixel can hit: returns near and far, near < far if nowhere.
+
+    lowest, highest (L, h, w) and block are an N-buffer of u; size is (width, height) [px]; rays (4, N) are ax, ay, wx,
+    wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y,
+    u of the focal plane); else every stride-th ray is bounded.
+    """
+    own = lowest.dtype.type
+    for _ in range(iterations):
+        if stride == 0:
+            x0, y0, x1, y1 = thin_lens_bounds(center[0], center[1], center[2], near, far)
+        else:
+            x0, y0, x1, y1 = ray_bounds(rays, stride, near, far)
+        left, top = _texel(x0 - own(_MARGIN), size[0]), _texel(y0 - own(_MARGIN), size[1])
+        right, bottom = _texel(x1 + own(_MARGIN), size[0]), _texel(y1 + own(_MARGIN), size[1])
+        low = lowest_in(lowest, block, left, top, right, bottom, False)
+        high = highest_in(highest, block, left, top, right, bottom, False)
+        if low > high:
+            return own(-1.0), own(0.0)
+        new_far, new_near = max(far, low - extension), min(near, high)
+        if new_far == far and new_near == near:
+            break
+        far, near = new_far, new_near
+    return near, far
+
+
+@inline
+def _texel(place, size):
+    """The texel of a place along one axis, in the picture."""
+    own = type(place)
+    return math.floor(min(max(place, own(0.0)), own(size - 1)))
+
+
+@inline
+def thin_lens_bounds(x, y, focus, near, far):
+    """Bounds x0, y0, x1, y1 [px] of a thin lens's rays: the larger of the circles of confusion at both ends, [2].
+
+    (x, y) is the pixel's centre, focus the u of the focal plane; a circle's radius is |u - focus| pixels.
+    """
+    radius = max(abs(near - focus), abs(far - focus))
+    return x - radius, y - radius, x + radius, y + radius
+
+
+@inline
+def ray_bounds(rays, stride, near, far):
+    """Bounding quad x0, y0, x1, y1 [px] of where every stride-th of the rays (4, N) crosses both depths."""
+    own = rays.dtype.type
+    x0, y0, x1, y1 = own(np.inf), own(np.inf), own(-np.inf), own(-np.inf)
+    for n in range(0, rays.shape[1], stride):
+        ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
+        first, second = ax + near * wx, ax + far * wx
+        x0, x1 = min(x0, first, second), max(x1, first, second)
+        first, second = ay + near * wy, ay + far * wy
+        y0, y1 = min(y0, first, second), max(y1, first, second)
+    return x0, y0, x1, y1

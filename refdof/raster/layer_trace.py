@@ -1,0 +1,262 @@
+"""Layer trace: all lens rays of every pixel, through packed layers, averaged.
+
+1. the rays of a pixel                                       `_aim_thin_lens`
+2. the depths at which they can hit each pack                `refdof.raster.footprint`
+3. the nearest hit of each ray over all packs, or a miss     `_hit`
+4. its colour, or its attributes shaded                      `_hit_color`
+
+A ray that meets nothing sees the background where that is certain. It is a miss
+
+- if it ends outside the picture,
+- if it comes into the picture behind the surfaces at its border: what it met outside is not known,
+- if it ends behind a stack that is full, where layers may be missing.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float
+from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.lens_pattern import LensPattern
+from refdof.raster.attributes import ATTRIBUTES, shade_attributes
+from refdof.raster.footprint import narrow, ray_bounds
+from refdof.raster.nbuffer import n_buffer
+from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
+from refdof.shot import Shot
+from refdof.surfaces import Surfaces, borrow_surfaces
+
+__all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
+
+MISSES = ("renormalise", "black", "pinhole")
+_RENORMALISE, _BLACK, _PINHOLE = range(3)
+_MISS, _BACKGROUND = -2, -1
+_ROWS_PER_TASK = 4
+
+
+class Stack(NamedTuple):
+    """Packed layers of a picture, and their N-buffers.
+
+    packs (G, H, W, 4) in px of parallax, -inf is empty; lowest, highest (G, L, h, w) of blocks of `block` px; extension
+    [px of parallax] as in `first_hit`; last: the layer behind which more may be, -1 if all are here.
+    """
+
+    packs: Float
+    lowest: Float
+    highest: Float
+    block: int
+    extension: float
+    last: int
+
+
+class Traced(NamedTuple):
+    """image (H, W, 3) float32; near, far (G, H, W) px of parallax; steps (H, W) per ray; missed (H, W), a share."""
+
+    image: Float
+    near: Float
+    far: Float
+    steps: Float
+    missed: Float
+
+
+def new_stack(parallax: Float, extension: float, complete: bool, block: int = 2) -> Stack:
+    """Pack layers (N, H, W) [px of parallax], -inf where empty, front to back, with an N-buffer for each pack.
+
+    `complete`: there are no more layers than these.
+    """
+    packs = pack_layers(parallax)
+    buffers = [n_buffer(pack.transpose(2, 0, 1), block=block) for pack in packs]
+    lowest = np.stack([buffer.lowest for buffer in buffers])
+    highest = np.stack([buffer.highest for buffer in buffers])
+    return Stack(packs, lowest, highest, block, extension, -1 if complete else len(parallax) - 1)
+
+
+def trace_layers(
+    stack: Stack,
+    values: Float,
+    surfaces: Surfaces,
+    shot: Shot,
+    focus: float,
+    pattern: LensPattern,
+    pinhole: Float,
+    *,
+    stride: int = 0,
+    iterations: int = 3,
+    misses: str = "renormalise",
+    linear: bool = False,
+) -> Traced:
+    """Trace a thin lens's rays.
+
+    Parameters
+    ----------
+    stack : Stack
+    values : (N, H, W, 3) or (N, H, W, 13) float32
+        Colours, or attributes to be shaded.
+    surfaces : Surfaces
+        Lights and background.
+    shot : Shot
+    focus : float
+        The focal plane [px of parallax].
+    pattern : LensPattern
+    pinhole : (H, W, 3) float32
+        What missed rays see if `misses` is "pinhole", or if it is "renormalise" and none is left.
+    stride, iterations
+        Of `narrow`.
+    misses : one of `MISSES`
+    linear : bool
+        Read values bilinearly.
+    """
+    groups, height, width, _ = stack.packs.shape
+    dtype = stack.packs.dtype
+    lens = pattern.points * [1.0, -1.0]  # x right, y down
+    traced = Traced(
+        np.empty((height, width, 3), dtype=np.float32),
+        np.empty((groups, height, width), dtype=dtype),
+        np.empty((groups, height, width), dtype=dtype),
+        np.empty((height, width), dtype=np.float32),
+        np.empty((height, width), dtype=np.float32),
+    )
+    lens, weights = lens.astype(dtype), pattern.weights
+    own: Any = dtype.type
+    stack, center = stack._replace(extension=own(stack.extension)), own(focus)
+    top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
+    how = stride, iterations, MISSES.index(misses), bool(linear)
+
+    def band(first: int) -> None:
+        last = min(first + _ROWS_PER_TASK, height)
+        _trace_rows(
+            stack, values, surfaces, shot, center, lens, weights, pattern.set, pinhole, top, how, first, last, traced
+        )
+
+    run_tasks(band, range(0, height, _ROWS_PER_TASK))
+    return traced
+
+
+@tile_kernel
+def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
+    """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
+    packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
+    surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
+    own = packs.dtype.type
+    groups, height, width = packs.shape[:3]
+    stride, iterations, misses, linear = how
+    rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
+    near, far = np.empty(groups, dtype=packs.dtype), np.empty(groups, dtype=packs.dtype)
+    for y in range(first, last):
+        for x in range(width):
+            chosen = sets[y % len(sets), x % len(sets)]
+            center = own(x) + own(0.5), own(y) + own(0.5), focus
+            _aim_thin_lens(lens[chosen], center, rays)
+            inside = _all_inside(rays, max(top.max(), own(0.0)), width, height)
+            for group in range(groups):
+                near[group], far[group] = narrow(
+                    lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
+                    top[group], own(0.0), stack.extension, iterations,
+                )  # fmt: skip
+                traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
+            total, missed, steps = 0.0, 0.0, 0
+            red = green = blue = 0.0
+            for n in range(rays.shape[1]):
+                weight = weights[chosen, n]
+                if weight == 0.0:
+                    continue
+                ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
+                layer, at_x, at_y, u, walked = _hit(
+                    packs, ax, ay, wx, wy, near, far, stack.extension, stack.last, inside
+                )
+                steps += walked
+                if layer == _MISS:
+                    missed += weight
+                    continue
+                if layer == _BACKGROUND:
+                    r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
+                else:
+                    right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
+                    r, g, b = _hit_color(surfaces, shot, packs, values, linear, layer, at_x, at_y, right, down, ax, ay)
+                red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
+            if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
+                red += missed * pinhole[y, x, 0]
+                green += missed * pinhole[y, x, 1]
+                blue += missed * pinhole[y, x, 2]
+            if misses != _RENORMALISE or total == 0.0:
+                total += missed
+            image = traced.image[y, x]
+            image[0], image[1], image[2] = red / total, green / total, blue / total
+            traced.steps[y, x], traced.missed[y, x] = steps / rays.shape[1], missed / rays.shape[1]
+
+
+@inline
+def _aim_thin_lens(lens, center, rays):
+    """Rays (4, R): through the pixel's centre at u = focus, apart by the lens points (R, 2) per px of parallax."""
+    for n in range(len(lens)):
+        wx, wy = lens[n, 0], lens[n, 1]
+        rays[0, n], rays[1, n] = center[0] - center[2] * wx, center[1] - center[2] * wy
+        rays[2, n], rays[3, n] = wx, wy
+
+
+@inline
+def _all_inside(rays, near, width, height):
+    """Whether no ray (4, R) leaves the picture between u = near and infinity (u = 0)."""
+    x0, y0, x1, y1 = ray_bounds(rays, 1, near, rays.dtype.type(0.0))
+    return x0 >= 0.0 and y0 >= 0.0 and x1 < width and y1 < height
+
+
+@inline
+def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
+    """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
+    own = packs.dtype.type
+    height, width = packs.shape[1], packs.shape[2]
+    border = own(np.inf)
+    if not inside:
+        border = enter_picture(width, height, ax, ay, wx, wy)
+        if border < 0.0:
+            return _MISS, 0, 0, border, 0
+        if border < np.inf:
+            x = min(max(int(np.floor(ax + border * wx)), 0), width - 1)
+            y = min(max(int(np.floor(ay + border * wy)), 0), height - 1)
+            if packs[0, y, x, 0] > border:
+                return _MISS, 0, 0, border, 0
+    layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0
+    for group in range(len(packs)):
+        begin, end = min(near[group], border), max(far[group], best)
+        if begin < end:
+            continue
+        slot, at_x, at_y, u, walked = first_hit(packs, group, ax, ay, wx, wy, begin, end, extension)
+        steps += walked
+        if slot >= 0 and u > best:
+            layer, x, y, best = group * PACK + slot, at_x, at_y, u
+    if layer == _BACKGROUND and not (inside and last < 0):
+        if not (0.0 <= ax < width and 0.0 <= ay < height):
+            return _MISS, 0, 0, best, steps
+        if last >= 0 and packs[last // PACK, int(ay), int(ax), last % PACK] > 0.0:
+            return _MISS, 0, 0, best, steps
+    return layer, x, y, best, steps
+
+
+@inline
+def _hit_color(surfaces, shot, packs, values, linear, layer, x, y, right, down, ax, ay):
+    """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
+    r, g, b = _radiance(surfaces, shot, values, layer, x, y, ax, ay)
+    if linear:
+        across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
+        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
+        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
+        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
+        r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
+    return r, g, b
+
+
+@inline
+def _radiance(surfaces, shot, values, layer, x, y, ax, ay):
+    """Linear RGB of a sample: its colour, or its attributes seen along the ray that ends at (ax, ay)."""
+    value = values[layer, y, x]
+    if len(value) != ATTRIBUTES:
+        return value[0], value[1], value[2]
+    dx, dy = (ax - 0.5 * shot.width) / shot.pixels_per_tangent, (0.5 * shot.height - ay) / shot.pixels_per_tangent
+    return shade_attributes(surfaces, value, dx, dy, -1.0)
+
+
+@inline
+def _mix(here, across, along, corner, fx, fy):
+    """Bilinear blend."""
+    return (here * (1 - fx) + across * fx) * (1 - fy) + (along * (1 - fx) + corner * fx) * fy
