@@ -308,9 +308,7 @@ def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
     first = starts[level] + j * widths[level]
     second = first + (widths[level] if j + 1 < heights[level] else 0)
     i1 = min(i + 1, widths[level] - 1)
-    return _between(
-        texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy
-    )
+    return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
 
 
 @inline

@@ -23,7 +23,9 @@ from refdof._jit import borrow, inline, kernel, prange
 
 __all__ = ["Chain", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
 
-_SIDE = math.exp(-0.5)  # the Gaussian of [1] at one texel, with a standard deviation of one texel, which [1] leaves open
+_SIDE = math.exp(
+    -0.5
+)  # the Gaussian of [1] at one texel, with a standard deviation of one texel, which [1] leaves open
 _SHARES = np.array([_SIDE, 1.0, _SIDE]) / (1.0 + 2.0 * _SIDE)
 
 
@@ -81,7 +83,10 @@ def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
         colors, sizes, weights = borrow(color), borrow(circles), borrow(shares)
         own = circles.dtype.type
         row, share = _centre(y, fine_height, height)
-        across, around = np.empty((3, fine_width, 3), dtype=color.dtype), np.empty((3, fine_width, 2), dtype=color.dtype)
+        across, around = (
+            np.empty((3, fine_width, 3), dtype=color.dtype),
+            np.empty((3, fine_width, 2), dtype=color.dtype),
+        )
         for j in range(3):
             top, bottom = _inside(row - 1 + j, fine_height), _inside(row + j, fine_height)
             _blend_rows(colors[top], colors[bottom], own(share), across[j])
