@@ -128,3 +128,83 @@ def separable(color, depth, coc, leakage=1.0):
         return out
 
     return passed(passed(color.astype(float), False), True), reads
+
+
+def pyramidal(color, coc, largest_side=8):
+    """The reconstructed sub-images: picture and number of reads.
+
+    Borders between sub-images lie at 0.85 px and at 1.5 times 1.7 2^(i - 1) px, on either side.
+    """
+    reads = 0
+    height, width = coc.shape
+    borders = [0.85] + [1.5 * 1.7 * 2.0 ** (i - 1) for i in range(1, 20)]  # borders[i]: between i and i + 1
+    signed = {i: borders[i] for i in range(19)} | {-i - 1: -borders[i] for i in range(19)}
+
+    def needed(largest):
+        return next((i for i in range(largest_side) if largest <= borders[i]), largest_side)
+
+    def synthesized(coarse, y, x):
+        rows, columns = coarse.shape[:2]
+        total = 0.0
+        for j, share_y in ((y // 2, 0.75), (y // 2 + (1 if y % 2 else -1), 0.25)):
+            for i, share_x in ((x // 2, 0.75), (x // 2 + (1 if x % 2 else -1), 0.25)):
+                total = total + share_y * share_x * coarse[min(max(j, 0), rows - 1), min(max(i, 0), columns - 1)]
+        return total
+
+    def fill(image, known):
+        nonlocal reads
+        if known.size == 1:
+            return np.where(known[..., None], image, 0.0)
+        rows, columns = known.shape
+        coarse = np.zeros((math.ceil(rows / 2), math.ceil(columns / 2), image.shape[2]))
+        mask = np.zeros(coarse.shape[:2], dtype=bool)
+        for y, x in np.ndindex(mask.shape):
+            reads += 4
+            block = np.s_[2 * y : 2 * y + 2, 2 * x : 2 * x + 2]
+            mask[y, x] = known[block].any()
+            if mask[y, x]:
+                coarse[y, x] = image[block][known[block]].mean(axis=0)
+        coarse = fill(coarse, mask)
+        out = image.copy()
+        for y, x in np.ndindex(rows, columns):
+            reads += 5
+            if not known[y, x]:
+                out[y, x] = synthesized(coarse, y, x)
+        return out
+
+    def soften(image, levels):
+        nonlocal reads
+        if levels == 0:
+            return image
+        rows, columns = image.shape[:2]
+        coarse = np.zeros((math.ceil(rows / 2), math.ceil(columns / 2), image.shape[2]))
+        for y, x in np.ndindex(coarse.shape[:2]):
+            for j, i in np.ndindex(4, 4):
+                reads += 1
+                row, column = 2 * y - 1 + j, 2 * x - 1 + i
+                coarse[y, x] += image[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)] / 16
+        coarse = soften(coarse, levels - 1)
+        out = np.zeros_like(image)
+        for y, x in np.ndindex(rows, columns):
+            reads += 4
+            out[y, x] = synthesized(coarse, y, x)
+        return out
+
+    front, back = needed(-coc.min()), needed(coc.max())
+    result = np.zeros((height, width, 4))
+    for i in range(back, -front - 1, -1):
+        known = coc >= signed[i - 2] if i > -front else np.ones(coc.shape, dtype=bool)
+        filled = fill(np.concatenate([color, coc[..., None]], axis=-1), known)
+        layer = np.zeros((height, width, 4))
+        for y, x in np.ndindex(height, width):
+            reads += 3
+            c = filled[y, x, 3]
+            opacity = 1.0
+            if i > -front and c < signed[i - 1]:
+                opacity = max((c - signed[i - 2]) / (signed[i - 1] - signed[i - 2]), 0.0)
+            if i < back and c > signed[i]:
+                opacity = max((signed[i + 1] - c) / (signed[i + 1] - signed[i]), 0.0)
+            layer[y, x] = [*(opacity * filled[y, x, :3]), opacity]
+        layer = soften(layer, abs(i))
+        result = layer + (1 - layer[..., 3:]) * result
+    return result[..., :3] / result[..., 3:], reads
