@@ -15,7 +15,8 @@ def as_images(color: Float, depth: Float, coc: Float) -> tuple[Float, Float, Flo
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is
+        not above 0.
     """
     color = as_float("color", color, (None, None, 3))
     if color.size == 0:

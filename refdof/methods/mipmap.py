@@ -1,10 +1,10 @@
 """Mipmap interpolation: every pixel reads a mip level as coarse as its blur, made without leaks from sharp pixels.
 
-1. Take the circle of confusion as degree of blur                             `blur`
-2. Build mip levels of circles, and of colour without what is sharper         `refdof.raster.anisotropic.halve`
-3. Find the blur of nearer neighbours at the last level                       `refdof.raster.anisotropic.foreground_blur`
-4. Magnify it, and read the degree of blur as coarse as that                  `_smooth`
-5. Blend two mip levels of colour at nine points of a circle                  `_magnify`
+1. Take the circle of confusion as degree of blur                           `blur`
+2. Build mip levels of circles, and of colour without what is sharper       `refdof.raster.anisotropic.halve`
+3. Find the blur of nearer neighbours at the last level                     `refdof.raster.anisotropic.foreground_blur`
+4. Magnify it, and read the degree of blur as coarse as that                `_smooth`
+5. Blend two mip levels of colour at nine points of a circle                `_magnify`
 
 Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" (H, W) px, "level" (H, W),
 "color 1", "color 2", ... (h, w, 3).

@@ -12,8 +12,8 @@ premultiplied colour and opacity after the blur.
 Departures from the paper
 -------------------------
 This is a **reconstruction**: the text of [1] was not at hand. What is known: the chain of steps; the matte, which [3]
-takes over from it; and the reads of each step, which table 1 of [2] counts and which tell the filters (2 x 2 for filling,
-4 x 4 for blurring, bilinear on the way back). The rest is chosen:
+takes over from it; and the reads of each step, which table 1 of [2] counts and which tell the filters (2 x 2 for
+filling, 4 x 4 for blurring, bilinear on the way back). The rest is chosen:
 
 - Sub-image i has the nominal radius 1.7 2^(|i| - 1) px, and i = 0 none. Borders lie half-way between. There are as many
   as the picture's circles of confusion need, and at least one; [2] had eight.
@@ -159,7 +159,7 @@ def _border(i: int) -> float:
 
 
 def _corners(i: int, front: int, back: int) -> tuple[float, float, float, float]:
-    """Circles where the matte of sub-image i starts, is full, starts to end and has ended [px]; infinite at the ends."""
+    """Circles where the matte of sub-image i starts, is full, starts to end, has ended [px]; infinite at the ends."""
     start, full = (_border(i - 2), _border(i - 1)) if i > -front else (-math.inf, -math.inf)
     end, last = (_border(i), _border(i + 1)) if i < back else (math.inf, math.inf)
     return start, full, end, last

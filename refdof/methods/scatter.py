@@ -9,8 +9,8 @@ Stages: "coc" (H, W) px, "shares" (H, W), what each pixel's shares add up to.
 Departures from the paper
 -------------------------
 - The spread is even over the disc; the paper also takes the diffraction pattern of Lommel.
-- The paper has no order in depth, and neither has the default. Later descriptions [2] blend discs from far to near, each
-  with its share as opacity, and normalise what comes out: `order`.
+- The paper has no order in depth, and neither has the default. Later descriptions [2] blend discs from far to near,
+  each with its share as opacity, and normalise what comes out: `order`.
 - Every band of rows is written by one thread, which meets all pixels that reach it: the same sums on any thread count.
 - Sums are taken in float64.
 

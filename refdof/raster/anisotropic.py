@@ -63,7 +63,7 @@ def new_chain(image: Float, last: int) -> Chain:
 
 
 def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:
-    """Fill the next level (h, w, 3) and (h, w, 2). `delta` [px]: how much sharper a tap may be; inf: any, equation (1)."""
+    """Fill the next level (h, w, 3) and (h, w, 2). `delta` [px]: how much sharper a tap may be; inf is equation (1)."""
     _halve(color, circles, circles.dtype.type(delta), _SHARES.astype(circles.dtype), coarse_color, coarse_circles)
 
 

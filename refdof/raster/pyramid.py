@@ -8,12 +8,17 @@ References
    Visualization.
 """
 
+from typing import TypeAlias
+
 import numpy as np
+import numpy.typing as npt
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 
 __all__ = ["blurred", "filled", "level_count"]
+
+Mask: TypeAlias = npt.NDArray[np.bool_]
 
 
 def level_count(width: int, height: int) -> int:
@@ -36,7 +41,7 @@ def blurred(image: Float, levels: int) -> Float:
     return image
 
 
-def filled(image: Float, known: Float) -> Float:
+def filled(image: Float, known: Mask) -> Float:
     """Give pixels that are not `known` (H, W) bool a blend of those that are, from ever coarser levels: (H, W, C).
 
     Where nothing is known, everything is 0.
