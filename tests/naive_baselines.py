@@ -1,4 +1,4 @@
-"""Naive twins of the single-image baselines: pixel by pixel, tap by tap, in float64. They share no code with the package.
+"""Naive twins of the single-image baselines: pixel by pixel, in float64. They share no code with the package.
 
 Texture reads are counted where a method has any.
 """
