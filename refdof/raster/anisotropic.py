@@ -63,7 +63,10 @@ def new_chain(image: Float, last: int) -> Chain:
 
 
 def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:
-    """Fill the next level (h, w, 3) and (h, w, 2). `delta` [px]: how much sharper a tap may be; inf is equation (1)."""
+    """Fill the next level (h, w, 4), its last channel with 0, and (h, w, 2).
+
+    `delta` [px]: how much sharper than the centre a tap may be; inf is equation (1).
+    """
     _halve(color, circles, circles.dtype.type(delta), _SHARES.astype(circles.dtype), coarse_color, coarse_circles)
 
 
@@ -112,7 +115,7 @@ def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
                     green += weight * (across[j, left, 1] + (across[j, right, 1] - across[j, left, 1]) * w)
                     blue += weight * (across[j, left, 2] + (across[j, right, 2] - across[j, left, 2]) * w)
             coarse_color[y, x, 0], coarse_color[y, x, 1] = red / total, green / total  # Eq. (1)
-            coarse_color[y, x, 2] = blue / total
+            coarse_color[y, x, 2], coarse_color[y, x, 3] = blue / total, own(0)
             coarse_circles[y, x, 0], coarse_circles[y, x, 1] = signed, size
 
 
