@@ -26,7 +26,8 @@ _INWARD = math.sqrt(0.5)
 _SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
 _GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
 CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, _INWARD, 1.0) * _SQUARE
-_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in (0, 1, -1, _INWARD, -_INWARD)
+_OFFSETS = np.array([0.0, 1.0, -1.0, _INWARD, -_INWARD])
+_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's places in _OFFSETS
 _ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
 
 
@@ -42,9 +43,8 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     """Equation (11): circles (T, 2), nearer (h, w) at the last level; no `points`: blur stays as it is."""
     dtype = circles.texels.dtype
     weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
-    return SmoothedBlur(
-        *_smooth(circles.texels, *_tables(circles), nearer, CIRCLE.astype(dtype), weights.astype(dtype))
-    )
+    tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
+    return SmoothedBlur(*_smooth(circles.texels, *tables))
 
 
 def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
@@ -64,40 +64,51 @@ def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
 
 
 @kernel
-def _smooth(circles, starts, heights, widths, down, right, nearer, circle, weights):
-    """Blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each."""
+def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights):
+    """Blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+
+    Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
+    """
     height, width, last = heights[0], widths[0], len(starts) - 1
+    own = circles.dtype.type
+    reach, half = own(2.0**last), own(0.5)
+    left, beside = np.empty((5, width), dtype=np.int64), np.empty((5, width), dtype=np.int64)
+    across = np.empty((5, width), dtype=circles.dtype)
+    for i in range(5):
+        for x in range(width):
+            place = (x + half + offsets[i] * reach) * right[last]
+            left[i, x], beside[i, x], across[i, x] = _split(place, nearer.shape[1])
     neighbours = np.empty((height, width), dtype=circles.dtype)
     smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
     for y in prange(height):
-        own = circles.dtype.type
-        texels, front, shares, places = borrow(circles), borrow(nearer), borrow(weights), borrow(circle)
-        begin, tall, broad, downward, rightward = (
-            borrow(starts),
-            borrow(heights),
-            borrow(widths),
-            borrow(down),
-            borrow(right),
-        )
-        reach = own(2.0**last)
+        texels, front = borrow(circles), borrow(nearer)
+        begin, tall, broad = borrow(starts), borrow(heights), borrow(widths)
+        downward, rightward = borrow(down), borrow(right)
+        first, second, share = borrow(left), borrow(beside), borrow(across)
+        sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
+        rho[:] = own(0)
+        for k in range(len(weights) if len(weights) > 1 else 0):
+            v, v1, wy = _split((y + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            for x in range(front.shape[1]):
+                sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
+        for i in range(5):
+            if not sums[i].any():
+                continue
+            line = sums[i]
+            for x in range(width):
+                a = line[first[i, x]]
+                rho[x] += a + (line[second[i, x]] - a) * share[i, x]
         for x in range(width):
-            rho = own(0)
-            if len(shares) > 1:
-                for k in range(len(shares)):
-                    u, u1, wx = _split((x + own(0.5) + places[k, 0] * reach) * rightward[last], front.shape[1])
-                    v, v1, wy = _split((y + own(0.5) + places[k, 1] * reach) * downward[last], front.shape[0])
-                    rho += shares[k] * _between(front[v, u], front[v, u1], front[v1, u], front[v1, u1], wx, wy)
             sigma = texels[y * width + x, 1]
-            n = min(_level_of(rho), own(last))  # Eq. (11)
+            n = min(_level_of(rho[x]), own(last))  # Eq. (11)
             if n > own(0):
                 level = int(n)
-                share = n - own(level)
+                rest = n - own(level)
                 sigma = _blur_at(texels, begin, tall, broad, downward, rightward, level, x, y)
-                if share > own(0):
-                    sigma += (
-                        _blur_at(texels, begin, tall, broad, downward, rightward, level + 1, x, y) - sigma
-                    ) * share
-            neighbours[y, x], smoothed[y, x], levels[y, x] = rho, sigma, _level_of(sigma)
+                if rest > own(0):
+                    coarse = _blur_at(texels, begin, tall, broad, downward, rightward, level + 1, x, y)
+                    sigma += (coarse - sigma) * rest
+            smoothed[y, x], levels[y, x] = sigma, _level_of(sigma)
     return neighbours, smoothed, levels
 
 

@@ -107,30 +107,44 @@ def _mean_of_known(fine, known, coarse, mask):
 def _double(coarse, fine):
     """Fill fine (H, W, C)."""
     for y in prange(fine.shape[0]):
-        source = borrow(coarse)
-        for x in range(fine.shape[1]):
-            for c in range(fine.shape[2]):
-                fine[y, x, c] = _blend(source, x, y, c)
+        line, row = _between_rows(borrow(coarse), y), fine[y]
+        for x in range(len(row)):
+            near, other = 1 + x // 2, x // 2 + (2 if x % 2 else 0)
+            for c in range(row.shape[1]):
+                row[x, c] = _blend(line[near, c], line[other, c])
 
 
 @kernel
 def _fill(coarse, known, fine):
     """Fill texels of fine (H, W, C) that are not known."""
     for y in prange(fine.shape[0]):
-        source, valid = borrow(coarse), borrow(known)
-        for x in range(fine.shape[1]):
-            if not valid[y, x]:
-                for c in range(fine.shape[2]):
-                    fine[y, x, c] = _blend(source, x, y, c)
+        row, valid = fine[y], known[y]
+        if valid.all():
+            continue
+        line = _between_rows(borrow(coarse), y)
+        for x in range(len(row)):
+            if not valid[x]:
+                near, other = 1 + x // 2, x // 2 + (2 if x % 2 else 0)
+                for c in range(row.shape[1]):
+                    row[x, c] = _blend(line[near, c], line[other, c])
 
 
 @inline
-def _blend(coarse, x, y, c):
-    """The four coarse texels nearest to a fine one's centre, with weights (9, 3, 3, 1) / 16."""
-    three, four = coarse.dtype.type(3), coarse.dtype.type(4)
-    i, j = x // 2, y // 2
-    i1 = min(max(i + (1 if x % 2 else -1), 0), coarse.shape[1] - 1)
-    j1 = min(max(j + (1 if y % 2 else -1), 0), coarse.shape[0] - 1)
-    near = (three * coarse[j, i, c] + coarse[j, i1, c]) / four
-    other = (three * coarse[j1, i, c] + coarse[j1, i1, c]) / four
-    return (three * near + other) / four
+def _between_rows(coarse, y):
+    """The blend of the two coarse rows nearest to fine row y: (w + 2, C), with the edge repeated on both sides."""
+    height, width, channels = coarse.shape
+    j = y // 2
+    near, other = coarse[j], coarse[min(max(j + (1 if y % 2 else -1), 0), height - 1)]
+    line = np.empty((width + 2, channels), dtype=coarse.dtype)
+    for x in range(width):
+        for c in range(channels):
+            line[x + 1, c] = _blend(near[x, c], other[x, c])
+    for c in range(channels):
+        line[0, c], line[width + 1, c] = line[1, c], line[width, c]
+    return line
+
+
+@inline
+def _blend(near, other):
+    """Bilinear along one axis: a fine texel's centre lies a quarter of a coarse one from the nearer."""
+    return (type(near)(3) * near + other) / type(near)(4)

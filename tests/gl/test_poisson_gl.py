@@ -21,6 +21,6 @@ def test_the_shader_on_noise(context):
     work, textures, uniforms = listing.upload(context, coded, poisson._shrink(coded), poisson.TAPS, 5.0)
     shader.draw(work, textures, **uniforms)
     difference = np.abs(shader.read(work)[..., :3] - poisson.blur(color, np.ones_like(coc), coc, params)).max(axis=-1)
-    # Values in [0, 1] differ from texel to texel by up to 1, and places are rounded to 1e-5 px: as much in twelve reads.
+    # Values in [0, 1] differ from texel to texel by up to 1, and places are rounded to 1e-5 px: as much in 12 reads.
     # A tap whose code is its centre's to the last bit may count or not; noise has hardly any.
     assert (difference > 5e-5).sum() <= 2
