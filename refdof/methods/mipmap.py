@@ -137,8 +137,9 @@ def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
     degree = np.abs(coc)
     height, width = coc.shape
     last = _last_level(float(degree.max()), width, height)
-    circles = new_chain(_rounded(np.stack([coc, degree], axis=-1), params), last)
-    colors = new_chain(np.concatenate([color, np.zeros_like(color[..., :1])], axis=-1), last)  # four are one register
+    circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))
+    circles.level(0)[..., 0], circles.level(0)[..., 1] = _rounded(coc, params), _rounded(degree, params)
+    colors.level(0)[..., :3], colors.level(0)[..., 3] = color, 0  # four channels are one register
     for k in range(last):
         halve(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
         circles.level(k + 1)[:] = _rounded(circles.level(k + 1), params)

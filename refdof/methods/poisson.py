@@ -183,7 +183,7 @@ def _gather(coded, small, taps, max_radius):
             wide = radius * own(_SMALL_RADIUS * _SMALL)
             red, green, blue, total = own(0), own(0), own(0), own(0)
             for k in range(len(places)):
-                u, v = x + half, y + half
+                u, v = own(x) + half, own(y) + half
                 _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, tap)
                 _read(soft, (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down, other)
                 blend = abs(two * tap[3] - one)

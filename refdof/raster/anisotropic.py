@@ -17,6 +17,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange
@@ -48,18 +49,16 @@ def depth_of_chain(width: int, height: int) -> int:
     return max(width, height).bit_length() - 1
 
 
-def new_chain(image: Float, last: int) -> Chain:
-    """An empty chain with levels 0 .. `last`, the first one filled with `image` (H, W, C)."""
-    heights, widths = ([max(1, side >> k) for k in range(last + 1)] for side in image.shape[:2])
+def new_chain(shape: tuple[int, int, int], last: int, dtype: npt.DTypeLike) -> Chain:
+    """A chain with levels 0 .. `last` of a picture (H, W, C), to be filled."""
+    heights, widths = ([max(1, side >> k) for k in range(last + 1)] for side in shape[:2])
     starts = np.cumsum([0] + [h * w for h, w in zip(heights, widths, strict=True)])
-    chain = Chain(
-        np.empty((int(starts[-1]), image.shape[2]), dtype=image.dtype),
+    return Chain(
+        np.empty((int(starts[-1]), shape[2]), dtype=dtype),
         starts[:-1].astype(np.int64),
         np.array(heights, dtype=np.int64),
         np.array(widths, dtype=np.int64),
     )
-    chain.level(0)[:] = image
-    return chain
 
 
 def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:

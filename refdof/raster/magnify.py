@@ -27,7 +27,7 @@ _SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (
 _GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
 CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, _INWARD, 1.0) * _SQUARE
 _OFFSETS = np.array([0.0, 1.0, -1.0, _INWARD, -_INWARD])
-_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's places in _OFFSETS
+_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in _OFFSETS
 _ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
 
 
@@ -54,7 +54,7 @@ def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
     tables = _tables(colors)
     if geometric:
         return _magnify_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
-    return _magnify(colors.texels, *tables, blur.smoothed, blur.levels, _COLUMN, _ROW, weights)
+    return _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights)
 
 
 def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
@@ -76,7 +76,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
     across = np.empty((5, width), dtype=circles.dtype)
     for i in range(5):
         for x in range(width):
-            place = (x + half + offsets[i] * reach) * right[last]
+            place = (own(x) + half + offsets[i] * reach) * right[last]
             left[i, x], beside[i, x], across[i, x] = _split(place, nearer.shape[1])
     neighbours = np.empty((height, width), dtype=circles.dtype)
     smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
@@ -88,7 +88,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
         sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
         rho[:] = own(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = _split((y + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            v, v1, wy = _split((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
             for x in range(front.shape[1]):
                 sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
@@ -113,7 +113,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
 
 
 @kernel
-def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, column, row, weights):
+def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
     out = np.empty((height, width, 3), dtype=colors.dtype)
@@ -127,14 +127,6 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, col
             borrow(down),
             borrow(right),
         )
-        columns, rows = borrow(column), borrow(row)
-        left, beside, above, below = (
-            np.empty(5, np.int64),
-            np.empty(5, np.int64),
-            np.empty(5, np.int64),
-            np.empty(5, np.int64),
-        )
-        across, along = np.empty(5, dtype=colors.dtype), np.empty(5, dtype=colors.dtype)
         for x in range(width):
             m = lods[y, x]
             if m <= own(0):
@@ -146,25 +138,29 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, col
             for step in range(2 if beta > own(0) else 1):
                 k = level + step
                 weight = beta if step == 1 else own(1) - beta
-                u, v = (x + own(0.5)) * rightward[k], (y + own(0.5)) * downward[k]
+                u, v = (own(x) + own(0.5)) * rightward[k], (own(y) + own(0.5)) * downward[k]
                 a, b = radius * rightward[k], radius * downward[k]
-                left[0], beside[0], across[0] = _split(u, broad[k])
-                left[1], beside[1], across[1] = _split(u + a, broad[k])
-                left[2], beside[2], across[2] = _split(u - a, broad[k])
-                left[3], beside[3], across[3] = _split(u + own(_INWARD) * a, broad[k])
-                left[4], beside[4], across[4] = _split(u - own(_INWARD) * a, broad[k])
-                above[0], below[0], along[0] = _split(v, tall[k])
-                above[1], below[1], along[1] = _split(v + b, tall[k])
-                above[2], below[2], along[2] = _split(v - b, tall[k])
-                above[3], below[3], along[3] = _split(v + own(_INWARD) * b, tall[k])
-                above[4], below[4], along[4] = _split(v - own(_INWARD) * b, tall[k])
-                for j in range(5):
-                    above[j], below[j] = begin[k] + above[j] * broad[k], begin[k] + below[j] * broad[k]
-                for point in range(9):
-                    i, j = columns[point], rows[point]
-                    p, q = above[j] + left[i], above[j] + beside[i]
-                    r, s = below[j] + left[i], below[j] + beside[i]
-                    total = add_bilinear(total, texels, p, q, r, s, across[i], along[j], weight * shares[point])
+                base, wide, high = begin[k], broad[k], tall[k]
+                x0, x1, w0 = _split(u, wide)
+                x2, x3, w1 = _split(u + a, wide)
+                x4, x5, w2 = _split(u - a, wide)
+                x6, x7, w3 = _split(u + own(_INWARD) * a, wide)
+                x8, x9, w4 = _split(u - own(_INWARD) * a, wide)
+                near, side, far = weight * shares[0], weight * shares[1], weight * shares[5]
+                y0, y1, h = _rows(v, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, near)
+                total = add_bilinear(total, texels, y0 + x2, y0 + x3, y1 + x2, y1 + x3, w1, h, side)
+                total = add_bilinear(total, texels, y0 + x4, y0 + x5, y1 + x4, y1 + x5, w2, h, side)
+                y0, y1, h = _rows(v + b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
+                y0, y1, h = _rows(v - b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
+                y0, y1, h = _rows(v + own(_INWARD) * b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
+                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
+                y0, y1, h = _rows(v - own(_INWARD) * b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
+                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = total[0], total[1], total[2]
     return out
 
@@ -185,7 +181,7 @@ def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, l
                 continue
             radius, level, beta = _circle_of(m, sizes[y, x], last)
             for k in range(9):
-                u, v = x + own(0.5) + circle[k, 0] * radius, y + own(0.5) + circle[k, 1] * radius
+                u, v = own(x) + own(0.5) + circle[k, 0] * radius, own(y) + own(0.5) + circle[k, 1] * radius
                 fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
                 if beta > own(0):
                     coarse = _color_at(texels, starts, heights, widths, down, right, level + 1, u, v)
@@ -232,6 +228,13 @@ def _split(place, size):
 
 
 @inline
+def _rows(place, size, base, stride):
+    """`_split` of rows, as the places of their first texels in a chain."""
+    first, second, weight = _split(place, size)
+    return base + first * stride, base + second * stride, weight
+
+
+@inline
 def _color_at(texels, starts, heights, widths, down, right, level, u, v):
     """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
     x, x1, wx = _split(u * right[level], widths[level])
@@ -248,9 +251,9 @@ def _color_at(texels, starts, heights, widths, down, right, level, u, v):
 @inline
 def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
     """Degree of blur of one level at the centre of pixel (x, y)."""
-    half = type(down[0])(0.5)
-    i, i1, wx = _split((x + half) * right[level], widths[level])
-    j, j1, wy = _split((y + half) * down[level], heights[level])
+    own = type(down[0])
+    i, i1, wx = _split((own(x) + own(0.5)) * right[level], widths[level])
+    j, j1, wy = _split((own(y) + own(0.5)) * down[level], heights[level])
     first, second = starts[level] + j * widths[level], starts[level] + j1 * widths[level]
     return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
 
