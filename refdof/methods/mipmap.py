@@ -117,7 +117,8 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
 
     Notes
     -----
-    Costs the same for any blur, but for mip levels, which add a third. A blur wider than the picture is cut.
+    Costs the same for any blur above 1.5 px; below, one level is read and not two, and none where there is no blur. A
+    blur wider than the picture is cut.
     """
     color, depth, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:

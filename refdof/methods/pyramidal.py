@@ -18,7 +18,8 @@ filling, 4 x 4 for blurring, bilinear on the way back). The rest is chosen:
 - Sub-image i has the nominal radius 1.7 2^(|i| - 1) px, and i = 0 none. Borders lie half-way between. There are as many
   as the picture's circles of confusion need, and at least one; [2] had eight.
 - Ramps are linear in the signed circle of confusion, thus in inverse depth, and not in depth.
-- Filling goes up to a single texel.
+- Filling goes up to a single texel. Levels start at the top left and round up: the picture of a mirrored scene is the
+  mirrored picture only where sides are powers of two.
 - The sum of all mattes at a pixel is 2 where ramps are, as [2] complains of: colours are repeated in two sub-images.
   "Over" takes the nearer one first; the result is divided by opacity, without which blurred borders would be dark.
 
@@ -49,7 +50,7 @@ CITATION = "kraus2007"
 SOURCE = "after Kraus, Strengert 2007"
 RECONSTRUCTION = True
 INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
+PROMISES = ("constant", "pinhole", "focus", "convexity")
 
 _FILL_DOWN, _FILL_UP, _BLUR_DOWN, _BLUR_UP = 4, 5, 16, 4  # reads per texel: [2], table 1
 _CULL, _MATTE, _LAY = 1, 1, 1  # reads per pixel and sub-image: [2], table 1
