@@ -23,7 +23,7 @@ FAST = {
     "test_jit.py",
     "test_lens.py",
     "test_lens_pattern.py",
-    "test_mipmap.py",
+    "test_mipmap_interpolation.py",
     "test_nbuffer.py",
     "test_owen.py",
     "test_planar.py",

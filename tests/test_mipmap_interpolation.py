@@ -2,7 +2,7 @@
 
 import math
 
-import naive_mipmap
+import naive_mipmap_interpolation as naive
 import numpy as np
 import pytest
 import stage
@@ -45,7 +45,7 @@ def test_picture_and_stages_are_the_papers_equations(size, choice):
     words = dict(choice)
     geometric = words.pop("blend", "linear") == "geometric"
     image, stages = stages_of(color, coc, Params(**choice))
-    expected, twin = naive_mipmap.mipmap(color, coc, geometric=geometric, **words)
+    expected, twin = naive.mipmap(color, coc, geometric=geometric, **words)
     # Numbers up to 1 in colours and 9 px in circles, a hundred roundings in float64.
     np.testing.assert_allclose(image, expected, rtol=0, atol=1e-13)
     for name in ("neighbours", "smoothed", "level"):
@@ -60,7 +60,7 @@ def test_fetch_units_are_the_reads_that_were_counted(size, choice):
     color, _, coc = images(1, *size)
     words = dict(choice)
     geometric = words.pop("blend", "linear") == "geometric"
-    reads = naive_mipmap.mipmap(color, coc, geometric=geometric, **words)[1]["reads"]
+    reads = naive.mipmap(color, coc, geometric=geometric, **words)[1]["reads"]
     units = fetch_units(Params(**choice), size[1], size[0], largest=np.abs(coc).max())
     assert units * size[0] * size[1] == pytest.approx(reads, rel=1e-12)
 
@@ -184,7 +184,7 @@ def test_short_circles_are_rounded_at_every_level():
         return store(circles.astype(np.float32), "f16", LLVMPIPE).astype(float)
 
     image = blur(color, depth, coc, Params(depth_format="f16"))
-    expected = naive_mipmap.mipmap(color, coc, store=short)[0]
+    expected = naive.mipmap(color, coc, store=short)[0]
     # A float32 on the other side of a step of 2^-11 changes blur by that share: 5e-4 of 9 px and neighbours' contrast.
     np.testing.assert_allclose(image, expected, rtol=0, atol=2e-3)
     assert np.quantile(np.abs(image - expected), 0.9) < 1e-5
