@@ -30,8 +30,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, as_choice, as_number
-from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit import add_bilinear, borrow, inline, kernel, prange
 from refdof.methods._images import as_images, depth_in_range, within
+from refdof.raster.magnify import texels_around
 from refdof.raster.mipmap import box_mipmaps
 from refdof.trace import Trace
 from refdof.view import View
@@ -169,47 +170,45 @@ def _shrink(coded: Float) -> Float:
 def _gather(coded, small, taps, max_radius):
     """The shader's loop: coded (H, W, 4), small (h, w, 4) -> (H, W, 3)."""
     height, width = coded.shape[:2]
+    low_height, low_width = small.shape[:2]
+    flat, low_flat = coded.reshape(height * width, 4), small.reshape(low_height * low_width, 4)
     out = np.empty((height, width, 3), dtype=coded.dtype)
     for y in prange(height):
-        sharp, soft, places = borrow(coded), borrow(small), borrow(taps)
+        sharp, soft, places = borrow(flat), borrow(low_flat), borrow(taps)
         own = coded.dtype.type
         half, one, two = own(0.5), own(1), own(2)
-        right, down = own(small.shape[1] / width), own(small.shape[0] / height)
-        tap = np.empty(4, dtype=coded.dtype)
-        other = np.empty(4, dtype=coded.dtype)
+        right, down = own(low_width / width), own(low_height / height)
         for x in range(width):
-            center = sharp[y, x, 3]
+            center = sharp[y * width + x, 3]
             radius = abs(two * center - one) * max_radius
             wide = radius * own(_SMALL_RADIUS * _SMALL)
+            u, v = own(x) + half, own(y) + half
             red, green, blue, total = own(0), own(0), own(0), own(0)
             for k in range(len(places)):
-                u, v = own(x) + half, own(y) + half
-                _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, tap)
-                _read(soft, (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down, other)
-                blend = abs(two * tap[3] - one)
-                for c in range(4):
-                    tap[c] += (other[c] - tap[c]) * blend
-                weight = one if tap[3] >= center else abs(two * tap[3] - one)
-                red, green, blue = red + weight * tap[0], green + weight * tap[1], blue + weight * tap[2]
+                high = _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, height, width)
+                low_u, low_v = (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down
+                low = _read(soft, low_u, low_v, low_height, low_width)
+                blend = abs(two * high[3] - one)
+                code = high[3] + (low[3] - high[3]) * blend
+                weight = one if code >= center else abs(two * code - one)
+                red += weight * (high[0] + (low[0] - high[0]) * blend)
+                green += weight * (high[1] + (low[1] - high[1]) * blend)
+                blue += weight * (high[2] + (low[2] - high[2]) * blend)
                 total += weight
             if total > own(0):
                 out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
             else:
                 for c in range(3):
-                    out[y, x, c] = sharp[y, x, c]
+                    out[y, x, c] = sharp[y * width + x, c]
     return out
 
 
 @inline
-def _read(image, u, v, out):
-    """A bilinear read at u, v [texels from the corner], clamped to the edge."""
-    height, width = image.shape[:2]
-    half, zero = type(u)(0.5), type(u)(0)
-    u, v = min(max(u - half, zero), type(u)(width - 1)), min(max(v - half, zero), type(u)(height - 1))
-    x, y = int(u), int(v)
-    wx, wy = u - type(u)(x), v - type(u)(y)
-    x1, y1 = min(x + 1, width - 1), min(y + 1, height - 1)
-    for c in range(4):
-        a = image[y, x, c] + (image[y, x1, c] - image[y, x, c]) * wx
-        b = image[y1, x, c] + (image[y1, x1, c] - image[y1, x, c]) * wx
-        out[c] = a + (b - a) * wy
+def _read(texels, u, v, height, width):
+    """A bilinear read at u, v [texels from the corner], clamped to the edge: a tuple of four."""
+    x, x1, wx = texels_around(u, width)
+    y, y1, wy = texels_around(v, height)
+    zero, one = type(u)(0), type(u)(1)
+    first, second = y * width, y1 * width
+    nothing = (zero, zero, zero, zero)
+    return add_bilinear(nothing, texels, first + x, first + x1, second + x, second + x1, wx, wy, one)

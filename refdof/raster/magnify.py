@@ -18,7 +18,7 @@ from refdof._check import Float
 from refdof._jit import add_bilinear, borrow, inline, kernel, prange
 from refdof.raster.anisotropic import Chain
 
-__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur"]
+__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
 
 K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
 _INWARD = math.sqrt(0.5)
@@ -77,7 +77,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
     for i in range(5):
         for x in range(width):
             place = (own(x) + half + offsets[i] * reach) * right[last]
-            left[i, x], beside[i, x], across[i, x] = _split(place, nearer.shape[1])
+            left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
     neighbours = np.empty((height, width), dtype=circles.dtype)
     smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
     for y in prange(height):
@@ -88,7 +88,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
         sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
         rho[:] = own(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = _split((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
             for x in range(front.shape[1]):
                 sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
@@ -141,11 +141,11 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
                 u, v = (own(x) + own(0.5)) * rightward[k], (own(y) + own(0.5)) * downward[k]
                 a, b = radius * rightward[k], radius * downward[k]
                 base, wide, high = begin[k], broad[k], tall[k]
-                x0, x1, w0 = _split(u, wide)
-                x2, x3, w1 = _split(u + a, wide)
-                x4, x5, w2 = _split(u - a, wide)
-                x6, x7, w3 = _split(u + own(_INWARD) * a, wide)
-                x8, x9, w4 = _split(u - own(_INWARD) * a, wide)
+                x0, x1, w0 = texels_around(u, wide)
+                x2, x3, w1 = texels_around(u + a, wide)
+                x4, x5, w2 = texels_around(u - a, wide)
+                x6, x7, w3 = texels_around(u + own(_INWARD) * a, wide)
+                x8, x9, w4 = texels_around(u - own(_INWARD) * a, wide)
                 near, side, far = weight * shares[0], weight * shares[1], weight * shares[5]
                 y0, y1, h = _rows(v, high, base, wide)
                 total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, near)
@@ -220,7 +220,7 @@ def _power(a, b, beta):
 
 
 @inline
-def _split(place, size):
+def texels_around(place, size):
     """The two texels around `place` [texels from the corner], cut at the border, and the second's weight."""
     centred = min(max(place - type(place)(0.5), type(place)(0)), type(place)(size - 1))
     first = int(centred)
@@ -229,16 +229,16 @@ def _split(place, size):
 
 @inline
 def _rows(place, size, base, stride):
-    """`_split` of rows, as the places of their first texels in a chain."""
-    first, second, weight = _split(place, size)
+    """`texels_around` of rows, as the places of their first texels in a chain."""
+    first, second, weight = texels_around(place, size)
     return base + first * stride, base + second * stride, weight
 
 
 @inline
 def _color_at(texels, starts, heights, widths, down, right, level, u, v):
     """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
-    x, x1, wx = _split(u * right[level], widths[level])
-    y, y1, wy = _split(v * down[level], heights[level])
+    x, x1, wx = texels_around(u * right[level], widths[level])
+    y, y1, wy = texels_around(v * down[level], heights[level])
     first, second = starts[level] + y * widths[level], starts[level] + y1 * widths[level]
     p, q, r, s = first + x, first + x1, second + x, second + x1
     return (
@@ -252,8 +252,8 @@ def _color_at(texels, starts, heights, widths, down, right, level, u, v):
 def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
     """Degree of blur of one level at the centre of pixel (x, y)."""
     own = type(down[0])
-    i, i1, wx = _split((own(x) + own(0.5)) * right[level], widths[level])
-    j, j1, wy = _split((own(y) + own(0.5)) * down[level], heights[level])
+    i, i1, wx = texels_around((own(x) + own(0.5)) * right[level], widths[level])
+    j, j1, wy = texels_around((own(y) + own(0.5)) * down[level], heights[level])
     first, second = starts[level] + j * widths[level], starts[level] + j1 * widths[level]
     return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
 
