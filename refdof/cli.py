@@ -9,7 +9,7 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +25,7 @@ from refdof.compare import compare as compare_scene
 from refdof.image_file import SUFFIXES, save_image
 from refdof.lens import ThinLens
 from refdof.load import load_scene
+from refdof.method_facts import facts_of
 from refdof.methods import METHODS
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
@@ -71,16 +72,21 @@ def scenes(as_json: AsJson = False) -> None:
 
 @app.command()
 def methods(as_json: AsJson = False) -> None:
-    """List the methods, their sources and their parameters."""
-    rows = []
+    """List the methods: source, inputs, texture reads at the default scene's size, parameters."""
+    rows, texts = [], []
+    width, height = shot_of(DEFAULT_SCENE).camera.size
     for name, module in METHODS.items():
         defaults = {field.name: getattr(module.Params(), field.name) for field in fields(module.Params)}
-        title = _title(module)
-        rows.append({"method": name, "title": title, "citation": module.CITATION, "params": defaults})
+        facts = facts_of(module, width, height)
+        rows.append(
+            {"method": name, "title": _title(module), "citation": module.CITATION, **asdict(facts), "params": defaults}
+        )
+        source = facts.source + (" (reconstruction)" if facts.reconstruction else "")
+        texts.append([name, _title(module), source, ", ".join(facts.inputs), facts.fetches, _words(defaults)])
     if as_json:
         print(json.dumps(rows, indent=2))
     else:
-        _print_columns([[r["method"], r["title"], r["citation"], _words(r["params"])] for r in rows])
+        _print_columns(texts)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from refdof.lens import ThinLens
 
 SCORES = {
     "psnr": 31.25,
+    "psnr_8bit": 31.125,
     "ssim": 0.9375,
     "flip": 0.0625,
     "rmse": 0.015625,

@@ -40,6 +40,9 @@ def test_same_door(name):
     assert re.search(r"^1\. ", document, re.MULTILINE)
     keys = re.findall(r"@\w+\{(\w+),", (ROOT / "papers.bib").read_text())
     assert module.CITATION in keys
+    assert module.SOURCE
+    assert module.INPUTS
+    assert ("**reconstruction**" in document) == module.RECONSTRUCTION
 
 
 @pytest.mark.parametrize("name", METHODS)

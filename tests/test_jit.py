@@ -83,3 +83,14 @@ def test_an_interrupt_ends_after_the_running_jobs():
     with pytest.raises(KeyboardInterrupt):
         _jit.run_tasks(lambda k: (time.sleep(0.01), ran.append(k)), range(1000), stop)
     assert len(ran) < 900  # all of them would take seconds
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_four_channels_at_once_are_a_bilinear_read_of_each(dtype):
+    texels = np.random.default_rng(1).random((7, 4)).astype(dtype)
+    places, across, down, weight = (2, 3, 5, 6), dtype(0.25), dtype(0.5), dtype(3)
+    total = tuple(dtype(k) for k in range(4))
+    found = _jit.add_bilinear(total, texels, *places, across, down, weight)
+    a, b, c, d = texels[list(places)].astype(float)
+    expected = np.arange(4) + 3 * (0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d))
+    np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # six roundings

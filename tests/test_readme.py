@@ -14,7 +14,10 @@ def test_method_table_agrees_with_the_modules():
     table = README.split("<!-- methods -->")[1].split("<!-- end -->")[0]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.strip().splitlines()]
     assert [row[0].strip("`") for row in rows] == list(METHODS)
-    for name, _, _, promises in rows:
+    for name, source, inputs, promises in rows:
+        module = METHODS[name.strip("`")]
+        assert source == module.SOURCE + (" (reconstruction)" if module.RECONSTRUCTION else "")
+        assert tuple(inputs.split(", ")) == module.INPUTS
         assert tuple(promises.split(", ")) == METHODS[name.strip("`")].PROMISES
 
 

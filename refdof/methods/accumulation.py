@@ -26,9 +26,12 @@ from refdof.reference import estimate
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "PROMISES", "Params", "render"]
+__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "fetch_units", "render"]
 
 CITATION = "haeberli1990"
+SOURCE = "Haeberli and Akeley 1990; Cook, Porter and Carpenter 1984"
+RECONSTRUCTION = False
+INPUTS = ("triangles",)
 PROMISES = ("constant", "pinhole", "focus", "convexity", "energy", "symmetry", "occlusion")
 
 
@@ -58,3 +61,8 @@ class Params:
 def render(view: View, params: Params, trace: Trace) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     return estimate(view, params.samples, 1, params.seed, None, "centre", params.shared_pattern, None).image
+
+
+def fetch_units(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: none, it traces rays."""
+    return 0.0

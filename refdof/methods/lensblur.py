@@ -45,9 +45,12 @@ from refdof.sampling import PATTERNS
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "PROMISES", "Params", "render"]
+__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "render"]
 
 CITATION = "lee2010"
+SOURCE = "Lee, Eisemann, Seidel 2010"
+RECONSTRUCTION = False
+INPUTS = ("triangles",)
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion")
 
 PEELS = {"plain": 0, "umbra": 1, "extended": 2}  # extent of the blocker [px]

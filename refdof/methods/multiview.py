@@ -61,9 +61,25 @@ from refdof.sampling import PATTERNS, lens_samples
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "CONES", "OFFSCREEN", "PROMISES", "SEARCHES", "STARTS", "Params", "cone_width", "render"]
+__all__ = [
+    "CITATION",
+    "CONES",
+    "INPUTS",
+    "OFFSCREEN",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SEARCHES",
+    "SOURCE",
+    "STARTS",
+    "Params",
+    "cone_width",
+    "render",
+]
 
 CITATION = "lee2009multiview"
+SOURCE = "Lee, Eisemann, Seidel 2009"
+RECONSTRUCTION = False
+INPUTS = ("triangles",)
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion")
 
 SEARCHES = ("false position", "march")

@@ -37,9 +37,24 @@ from refdof.raster.planar import pad_planes, tap_of
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "MAX_BLUR_SIZE", "PROMISES", "Params", "blur", "render", "spiral"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "MAX_BLUR_SIZE",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+    "spiral",
+]
 
 CITATION = "gustafsson2018"
+SOURCE = "Gustafsson 2018"
+RECONSTRUCTION = False
+INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "convexity")
 
 GOLDEN_ANGLE = 2.39996323  # [1], listing
@@ -128,6 +143,11 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         (taps[:, 2] - 0.5).astype(color.dtype),
         params.depth_filter == "bilinear",
     )
+
+
+def fetch_units(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: colour and depth at every tap."""
+    return 2.0 * len(spiral())
 
 
 def spiral() -> Float:

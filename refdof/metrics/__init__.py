@@ -1,6 +1,6 @@
 """Metrics: how far an image is from its reference. The reference comes first, always.
 
-`rmse`, `rel_mse` and `max_abs` speak of linear values; `psnr`, `ssim` and `flip` of the display image
+`rmse`, `rel_mse` and `max_abs` speak of linear values; `psnr`, `psnr_8bit`, `ssim` and `flip` of the display image
 (clipped to [0, 1], sRGB-encoded), which they make themselves from linear images.
 """
 
@@ -31,12 +31,13 @@ def scores(reference: Any, image: Any) -> dict[str, float]:
     Returns
     -------
     dict
-        "psnr" [dB, inf if identical], "ssim" (1 is best), "flip" (0 is best), "rmse", "rel_mse", "max_abs".
+        "psnr" and, of pictures rounded to 8 bits, "psnr_8bit" [dB, inf if identical], "ssim" (1 is
+        best), "flip" (0 is best), "rmse", "rel_mse", "max_abs".
 
     Raises
     ------
     InputError
         If shapes differ, a value is not finite, or the image is smaller than SSIM's window.
     """
-    metrics = {"psnr": psnr, "ssim": ssim, "flip": flip, "rmse": rmse, "rel_mse": rel_mse, "max_abs": max_abs}
-    return {name: metric(reference, image) for name, metric in metrics.items()}
+    metrics = (psnr, psnr_8bit, ssim, flip, rmse, rel_mse, max_abs)
+    return {metric.__name__: metric(reference, image) for metric in metrics}

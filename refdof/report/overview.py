@@ -119,7 +119,7 @@ def _cells(comparison: Comparison) -> list[_Cell]:
     label = f"{ERROR_SCALE} {_TIMES} standard error"
     shown = [_Cell("reference", _floor(comparison), reference, label, _scaled(noise))]
     for row in comparison.rows:
-        psnr, ssim, flip = cells(row)[:3]
+        psnr, _, ssim, flip = cells(row)[:4]
         image = display(row.image)
         error = _scaled(np.abs(image - reference))
         shown.append(_Cell(row.method, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error))

@@ -17,7 +17,7 @@ from refdof.metrics import FLIP_PPD
 
 __all__ = ["DISPLAY", "SCORES", "at_noise_floor", "command_of", "plain", "rows_as_json"]
 
-SCORES = ("psnr", "ssim", "flip", "rmse", "rel_mse", "max_abs")
+SCORES = ("psnr", "psnr_8bit", "ssim", "flip", "rmse", "rel_mse", "max_abs")
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}

@@ -15,6 +15,7 @@ __all__ = ["COLUMNS", "cells", "csv_table", "footnote", "markdown_table", "refer
 # Key, heading, format: enough decimals to rank methods, no more.
 COLUMNS = (
     ("psnr", "PSNR [dB]", "{:.2f}"),
+    ("psnr_8bit", "8-bit PSNR [dB]", "{:.2f}"),
     ("ssim", "SSIM", "{:.4f}"),
     ("flip", "FLIP", "{:.4f}"),
     ("rmse", "RMSE", "{:.5f}"),
@@ -64,7 +65,8 @@ def footnote() -> str:
     """What the columns mean."""
     return (
         f"PSNR, SSIM and FLIP are of the display image ({DISPLAY['tone_map']}): PSNR with peak "
-        f"{DISPLAY['peak']:g}, FLIP at {DISPLAY['flip_ppd']} pixels per degree.\n"
+        f"{DISPLAY['peak']:g}, FLIP at {DISPLAY['flip_ppd']} pixels per degree. 8-bit PSNR, with peak 255, rounds both "
+        "images first, as papers do.\n"
         "RMSE, relMSE = d^2 / (r^2 + 0.01) and the largest absolute error (max) are of linear values."
     )
 

@@ -1,0 +1,173 @@
+"""Mipmap interpolation: every pixel reads a mip level as coarse as its blur, made without leaks from sharp pixels.
+
+1. Take the circle of confusion as degree of blur                           `blur`
+2. Build mip levels of circles, and of colour without what is sharper       `refdof.raster.anisotropic.halve`
+3. Find the blur of nearer neighbours at the last level                     `refdof.raster.anisotropic.foreground_blur`
+4. Magnify it, and read the degree of blur as coarse as that                `refdof.raster.magnify.smooth_blur`
+5. Blend two mip levels of colour at nine points of a circle                `refdof.raster.magnify.magnify`
+
+Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" (H, W) px, "level" (H, W),
+"color 1", "color 2", ... (h, w, 3).
+
+The lens size E of [1] is a **diameter**, and so is its C; its degree of blur is sigma = C / 2, the radius that refdof
+calls circle of confusion. [1] takes sigma for the standard deviation of a Gaussian; what the steps really give is a
+blur of 0.31 C or less. That is how the method is, and it is left so.
+
+Departures from the paper
+-------------------------
+- Depth is kept as the signed circle of confusion: it has the order of depth, is 0 in the focal plane and finite for the
+  background. Coarser levels thus average inverse depth, as those of a z-buffer do.
+- Equation (8) reads level l - 1, which does not exist for l = 0, and blurs where equation (6) says "no effect". Here
+  the level read is max(m - 1, 0) and the circle has a radius of min(m, 1) texels: nothing happens at m = 0.
+- Equations (7) and (8) print a geometric blend of levels. Section 6 reads a level that is not whole, which blends
+  linearly, and finds the difference marginal: `blend`.
+- The operator H of equation (9) stands for G in equation (8), says the text. Figure 6 and step 3 apply it where levels
+  are made, equation (1), and so does this. Its p and q are read at the finer level, so that p itself always counts.
+- The Gaussian's standard deviation, the places of its taps and the offset delta are not given: one finer texel, one
+  finer texel around the coarse centre, and 0.5 px. Diagonal taps keep the weight G(sqrt 2) after they moved inwards.
+- Only the last level of equation (10) is ever read. It looks at blurs of the level before it, so no other is made.
+- The last level is that of the largest blur in the picture, not of a bound set beforehand.
+
+References
+----------
+.. [1] Lee, Kim, Choi (2009), Real-Time Depth-of-Field Rendering Using Anisotropically Filtered Mipmap Interpolation,
+   IEEE Transactions on Visualization and Computer Graphics 15(3).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_choice, as_number
+from refdof.fetches import LARGEST_RADIUS, level_shares
+from refdof.methods._images import as_images, within
+from refdof.raster.anisotropic import depth_of_chain, foreground_blur, halve, new_chain
+from refdof.raster.gpu_model import LLVMPIPE, store
+from refdof.raster.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
+from refdof.trace import Trace
+from refdof.view import View
+
+__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+
+CITATION = "lee2009mipmap"
+SOURCE = "Lee, Kim, Choi 2009"
+RECONSTRUCTION = False
+INPUTS = ("pinhole colour", "pinhole depth")
+PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
+
+
+@dataclass(frozen=True)
+class Params:
+    """What the paper leaves open.
+
+    Parameters
+    ----------
+    delta : float >= 0
+        How much sharper than its centre a pixel may be to enter a blurred background [px]; inf lets all in: isotropic.
+    foreground_points : 0, 5 or 9
+        Points of the circle that smooths the foreground's boundary; 0 leaves it as it is.
+    blend : "linear" or "geometric"
+        Of two mip levels.
+    depth_format : "f32" or "f16"
+        Texture of depth and blur. 16 bits are rounded towards zero at every level, as render targets do.
+    """
+
+    delta: float = 0.5
+    foreground_points: int = 5
+    blend: str = "linear"
+    depth_format: str = "f32"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "delta", as_number("delta", self.delta, minimum=0.0, finite=False))
+        if self.foreground_points not in (0, 5, 9):
+            raise InputError(f"foreground_points: got {self.foreground_points!r}; allowed are 0, 5, 9")
+        as_choice("blend", self.blend, ("linear", "geometric"))
+        as_choice("depth_format", self.depth_format, ("f32", "f16"))
+
+
+def render(view: View, params: Params, trace: Trace) -> Float:
+    """Render `view`: (H, W, 3) float32 linear RGB."""
+    pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
+    return _blur(pinhole.color, coc, params, trace)
+
+
+def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+    """Blur a pinhole image.
+
+    Parameters
+    ----------
+    color : (H, W, 3) float32 or float64
+        Linear RGB, >= 0 if `blend` is "geometric"; its type is the type of all arithmetic.
+    depth : (H, W)
+        Planar depth [any unit], > 0; inf is background. Only checked: circles of confusion have its order.
+    coc : (H, W)
+        Signed circle of confusion, **radius** [px]: the paper's C is twice its size.
+    params : Params
+
+    Returns
+    -------
+    (H, W, 3) of the type of `color`.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, an array is empty, a value is NaN, a depth is not above 0, or a colour is negative where
+        the blend is geometric.
+
+    Notes
+    -----
+    Costs the same for any blur above 1.5 px; below, one level is read and not two, and none where there is no blur. A
+    blur wider than the picture is cut.
+    """
+    color, depth, coc = as_images(color, depth, coc)
+    if params.blend == "geometric" and color.min() < 0:
+        raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")
+    return _blur(color, coc, params, Trace())
+
+
+def fetch_units(params: Params, width: int, height: int, largest: float = LARGEST_RADIUS) -> float:
+    """Texture reads per pixel [1, table 1], for a largest circle of confusion of radius `largest` [px]."""
+    shares = level_shares(width, height, _last_level(largest, width, height))
+    taps = 9 + 9  # circles, and colour, of the finer level
+    smoothing = params.foreground_points + 1 if params.foreground_points and shares else 0
+    return taps * math.fsum(shares) + smoothing + len(CIRCLE)
+
+
+def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
+    degree = np.abs(coc)
+    height, width = coc.shape
+    last = _last_level(float(degree.max()), width, height)
+    circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))
+    circles.level(0)[..., 0], circles.level(0)[..., 1] = _rounded(coc, params), _rounded(degree, params)
+    colors.level(0)[..., :3], colors.level(0)[..., 3] = color, 0  # four channels are one register
+    for k in range(last):
+        halve(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
+        circles.level(k + 1)[:] = _rounded(circles.level(k + 1), params)
+    points = params.foreground_points if last else 0
+    if points:
+        nearer = foreground_blur(circles.level(last - 1), int(circles.heights[last]), int(circles.widths[last]))
+    else:
+        nearer = np.zeros((1, 1), dtype=color.dtype)
+    smoothed = smooth_blur(circles, _rounded(nearer, params), points)
+    trace.record("coc", lambda: coc)
+    trace.record("degree", lambda: degree)
+    trace.record("neighbours", lambda: smoothed.neighbours)
+    trace.record("smoothed", lambda: smoothed.smoothed)
+    trace.record("level", lambda: smoothed.levels)
+    for k in range(1, last + 1):
+        trace.record(f"color {k}", lambda k=k: colors.level(k)[..., :3])  # type: ignore[misc]
+    return magnify(colors, smoothed, params.blend == "geometric")
+
+
+def _last_level(largest: float, width: int, height: int) -> int:
+    """M: the level of the largest degree of blur [px], if the picture has it."""
+    if K_SIGMA * largest <= 0.5:
+        return 0
+    return min(math.ceil(1.0 + math.log2(K_SIGMA * largest)), depth_of_chain(width, height))  # Eq. (6)
+
+
+def _rounded(values: Float, params: Params) -> Float:
+    if params.depth_format == "f32":
+        return values
+    return store(values.astype(np.float32), "f16", LLVMPIPE).astype(values.dtype)

@@ -1,0 +1,264 @@
+"""Magnification of mip levels with a circular filter: a blur of any width from a few reads of a coarse level.
+
+1. magnify the blur of nearer neighbours, and read blur as coarse as that     `smooth_blur`
+2. read nine points of a circle between two levels of colour                  `magnify`
+
+References
+----------
+.. [1] Lee, Kim, Choi (2009), Real-Time Depth-of-Field Rendering Using Anisotropically Filtered Mipmap Interpolation,
+   IEEE Transactions on Visualization and Computer Graphics 15(3), equations (5) to (8) and (11).
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float
+from refdof._jit import add_bilinear, borrow, inline, kernel, prange
+from refdof.raster.anisotropic import Chain
+
+__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
+
+K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
+_INWARD = math.sqrt(0.5)
+# Centre, axes, diagonals: figure 4a for G(q - p), which diagonals keep, and figure 4b for the places of reads.
+_SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
+_GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
+CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, _INWARD, 1.0) * _SQUARE
+_OFFSETS = np.array([0.0, 1.0, -1.0, _INWARD, -_INWARD])
+_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in _OFFSETS
+_ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
+
+
+class SmoothedBlur(NamedTuple):
+    """(H, W) each: blur of nearer neighbours [px], degree of blur read as coarse as that [px], its level."""
+
+    neighbours: Float
+    smoothed: Float
+    levels: Float
+
+
+def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
+    """Equation (11): circles (T, 2), nearer (h, w) at the last level; no `points`: blur stays as it is."""
+    dtype = circles.texels.dtype
+    weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
+    tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
+    return SmoothedBlur(*_smooth(circles.texels, *tables))
+
+
+def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
+    """Equation (8): colors (T, 4) -> (H, W, 3)."""
+    dtype = colors.texels.dtype
+    weights = (_GAUSSIAN / _GAUSSIAN.sum()).astype(dtype)
+    tables = _tables(colors)
+    if geometric:
+        return _magnify_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
+    return _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights)
+
+
+def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
+    """Starts, heights and widths of the levels, and their texels per pixel of the picture down and right."""
+    down, right = ((sides / sides[0]).astype(chain.texels.dtype) for sides in (chain.heights, chain.widths))
+    return chain.starts, chain.heights, chain.widths, down, right
+
+
+@kernel
+def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights):
+    """Blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+
+    Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
+    """
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    own = circles.dtype.type
+    reach, half = own(2.0**last), own(0.5)
+    left, beside = np.empty((5, width), dtype=np.int64), np.empty((5, width), dtype=np.int64)
+    across = np.empty((5, width), dtype=circles.dtype)
+    for i in range(5):
+        for x in range(width):
+            place = (own(x) + half + offsets[i] * reach) * right[last]
+            left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
+    neighbours = np.empty((height, width), dtype=circles.dtype)
+    smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
+    for y in prange(height):
+        texels, front = borrow(circles), borrow(nearer)
+        begin, tall, broad = borrow(starts), borrow(heights), borrow(widths)
+        downward, rightward = borrow(down), borrow(right)
+        first, second, share = borrow(left), borrow(beside), borrow(across)
+        sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
+        rho[:] = own(0)
+        for k in range(len(weights) if len(weights) > 1 else 0):
+            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            for x in range(front.shape[1]):
+                sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
+        for i in range(5):
+            if not sums[i].any():
+                continue
+            line = sums[i]
+            for x in range(width):
+                a = line[first[i, x]]
+                rho[x] += a + (line[second[i, x]] - a) * share[i, x]
+        for x in range(width):
+            sigma = texels[y * width + x, 1]
+            n = min(_level_of(rho[x]), own(last))  # Eq. (11)
+            if n > own(0):
+                level = int(n)
+                rest = n - own(level)
+                sigma = _blur_at(texels, begin, tall, broad, downward, rightward, level, x, y)
+                if rest > own(0):
+                    coarse = _blur_at(texels, begin, tall, broad, downward, rightward, level + 1, x, y)
+                    sigma += (coarse - sigma) * rest
+            smoothed[y, x], levels[y, x] = sigma, _level_of(sigma)
+    return neighbours, smoothed, levels
+
+
+@kernel
+def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights):
+    """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    out = np.empty((height, width, 3), dtype=colors.dtype)
+    for y in prange(height):
+        own = colors.dtype.type
+        texels, sizes, lods, shares = borrow(colors), borrow(smoothed), borrow(levels), borrow(weights)
+        begin, tall, broad, downward, rightward = (
+            borrow(starts),
+            borrow(heights),
+            borrow(widths),
+            borrow(down),
+            borrow(right),
+        )
+        for x in range(width):
+            m = lods[y, x]
+            if m <= own(0):
+                for c in range(3):
+                    out[y, x, c] = texels[y * width + x, c]
+                continue
+            radius, level, beta = _circle_of(m, sizes[y, x], last)
+            total = (own(0), own(0), own(0), own(0))
+            for step in range(2 if beta > own(0) else 1):
+                k = level + step
+                weight = beta if step == 1 else own(1) - beta
+                u, v = (own(x) + own(0.5)) * rightward[k], (own(y) + own(0.5)) * downward[k]
+                a, b = radius * rightward[k], radius * downward[k]
+                base, wide, high = begin[k], broad[k], tall[k]
+                x0, x1, w0 = texels_around(u, wide)
+                x2, x3, w1 = texels_around(u + a, wide)
+                x4, x5, w2 = texels_around(u - a, wide)
+                x6, x7, w3 = texels_around(u + own(_INWARD) * a, wide)
+                x8, x9, w4 = texels_around(u - own(_INWARD) * a, wide)
+                near, side, far = weight * shares[0], weight * shares[1], weight * shares[5]
+                y0, y1, h = _rows(v, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, near)
+                total = add_bilinear(total, texels, y0 + x2, y0 + x3, y1 + x2, y1 + x3, w1, h, side)
+                total = add_bilinear(total, texels, y0 + x4, y0 + x5, y1 + x4, y1 + x5, w2, h, side)
+                y0, y1, h = _rows(v + b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
+                y0, y1, h = _rows(v - b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
+                y0, y1, h = _rows(v + own(_INWARD) * b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
+                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
+                y0, y1, h = _rows(v - own(_INWARD) * b, high, base, wide)
+                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
+                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
+            out[y, x, 0], out[y, x, 1], out[y, x, 2] = total[0], total[1], total[2]
+    return out
+
+
+@kernel
+def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
+    """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    out = np.zeros((height, width, 3), dtype=colors.dtype)
+    for y in prange(height):
+        own = colors.dtype.type
+        texels, sizes = borrow(colors), borrow(smoothed)
+        for x in range(width):
+            m = levels[y, x]
+            if m <= own(0):
+                for c in range(3):
+                    out[y, x, c] = texels[y * width + x, c]
+                continue
+            radius, level, beta = _circle_of(m, sizes[y, x], last)
+            for k in range(9):
+                u, v = own(x) + own(0.5) + circle[k, 0] * radius, own(y) + own(0.5) + circle[k, 1] * radius
+                fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
+                if beta > own(0):
+                    coarse = _color_at(texels, starts, heights, widths, down, right, level + 1, u, v)
+                    for c in range(3):
+                        out[y, x, c] += weights[k] * _power(fine[c], coarse[c], beta)
+                else:
+                    for c in range(3):
+                        out[y, x, c] += weights[k] * fine[c]
+    return out
+
+
+@inline
+def _circle_of(m, sigma, last):
+    """Radius of the circle [px], the level one below `m` > 0, and the weight of the next.
+
+    Below m = 1 there is no lower level: the circle shrinks instead. Above, 2^(m - 1) is K_SIGMA sigma.
+    """
+    own = type(m)
+    radius = min(own(K_SIGMA) * sigma, own(2.0**last)) if m > own(1) else m
+    lod = min(max(m - own(1), own(0)), own(last))
+    level = int(lod)
+    return radius, level, lod - own(level)
+
+
+@inline
+def _level_of(sigma):
+    """Equation (6): the continuous level of a degree of blur [px]."""
+    scaled = K_SIGMA * np.float64(sigma)
+    return type(sigma)(1.0 + np.log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+
+
+@inline
+def _power(a, b, beta):
+    """a^(1 - beta) b^beta of numbers >= 0."""
+    return type(a)(np.float64(a) ** (1.0 - np.float64(beta)) * np.float64(b) ** np.float64(beta))
+
+
+@inline
+def texels_around(place, size):
+    """The two texels around `place` [texels from the corner], cut at the border, and the second's weight."""
+    centred = min(max(place - type(place)(0.5), type(place)(0)), type(place)(size - 1))
+    first = int(centred)
+    return first, min(first + 1, size - 1), centred - type(place)(first)
+
+
+@inline
+def _rows(place, size, base, stride):
+    """`texels_around` of rows, as the places of their first texels in a chain."""
+    first, second, weight = texels_around(place, size)
+    return base + first * stride, base + second * stride, weight
+
+
+@inline
+def _color_at(texels, starts, heights, widths, down, right, level, u, v):
+    """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
+    x, x1, wx = texels_around(u * right[level], widths[level])
+    y, y1, wy = texels_around(v * down[level], heights[level])
+    first, second = starts[level] + y * widths[level], starts[level] + y1 * widths[level]
+    p, q, r, s = first + x, first + x1, second + x, second + x1
+    return (
+        _between(texels[p, 0], texels[q, 0], texels[r, 0], texels[s, 0], wx, wy),
+        _between(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
+        _between(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
+    )
+
+
+@inline
+def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
+    """Degree of blur of one level at the centre of pixel (x, y)."""
+    own = type(down[0])
+    i, i1, wx = texels_around((own(x) + own(0.5)) * right[level], widths[level])
+    j, j1, wy = texels_around((own(y) + own(0.5)) * down[level], heights[level])
+    first, second = starts[level] + j * widths[level], starts[level] + j1 * widths[level]
+    return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
+
+
+@inline
+def _between(p, q, r, s, wx, wy):
+    a, b = p + (q - p) * wx, r + (s - r) * wx
+    return a + (b - a) * wy
