@@ -37,7 +37,7 @@ def gaussian_blur(planes: Float, deviation: float, scratch: Float) -> None:
 
 
 def convolve(planes: Float, taps: Float, scratch: Float) -> None:
-    """Convolve planes (C, H, W) in place, along x and along y, with the symmetric kernel `taps`: middle and one side."""
+    """Convolve planes (C, H, W) in place, along x and along y, with a symmetric kernel: middle and one side."""
     taps = taps.astype(planes.dtype)
     _convolve_rows(planes, taps, scratch)
     _convolve_columns(scratch, taps, planes)
