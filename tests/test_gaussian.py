@@ -56,7 +56,7 @@ def test_no_deviation_changes_nothing(blur):
 
 
 @pytest.mark.parametrize("dtype", TYPES)
-@pytest.mark.parametrize("blur", (gaussian_blur, box_blur))
+@pytest.mark.parametrize("blur", [gaussian_blur, box_blur])
 def test_a_mirrored_image_gives_the_mirrored_blur(blur, dtype):
     planes = random_planes((4, 10, 15), dtype)
     out, mirrored = blurred(blur, planes, 2.0), blurred(blur, planes[:, ::-1, ::-1].copy(), 2.0)

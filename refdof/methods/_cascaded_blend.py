@@ -38,7 +38,7 @@ def source_of(color: Float, depth: Float, layering: Layering, ramp: str, boundar
     """Surfaces by their layer coordinates: color (M, H, W, 3), depth (M, H, W), NaN for none."""
     coordinate = layer_coordinate(depth, layering.bounds, boundary, color.dtype.type)
     held = np.zeros((depth.shape[1], len(layering.deviation)), dtype=bool)
-    _mark_rows(coordinate, held)
+    _mark_rows(coordinate, ramp_code(ramp), held)
     return Source(coordinate, color, ramp_code(ramp), held)
 
 
@@ -102,20 +102,20 @@ def normalized(buffer, divide):
 
 
 @kernel
-def _mark_rows(coordinate, held):
-    """Mark in held (H, K) the layers that a surface of the row may have weight in."""
+def _mark_rows(coordinate, ramp, held):
+    """Mark in held (H, K) the layers in which a surface of the row has weight."""
     count, height, width = coordinate.shape
-    last = held.shape[1] - 1
+    layers = held.shape[1]
     for y in prange(height):
-        row = borrow(held)[y]
+        row, one = borrow(held)[y], coordinate.dtype.type(1)
         for m in range(count):
             places = borrow(coordinate)[m, y]
             for x in range(width):
                 if places[x] >= 0:
-                    k = int(places[x])
-                    row[min(max(k - 1, 0), last)] = True
-                    row[min(k, last)] = True
-                    row[min(k + 1, last)] = True
+                    core = int(places[x])
+                    for k in range(max(core - 1, 0), min(core + 2, layers)):
+                        if not row[k] and matte(places[x] - k, one, ramp, m == 0) > 0:
+                            row[k] = True
 
 
 @kernel

@@ -153,16 +153,17 @@ def blur_buffers(
     Raises
     ------
     InputError
-        If shapes disagree, a colour is not finite, or a depth is not above 0.
+        If shapes disagree, a colour is not finite, a depth is not above 0, or there is no surface at all.
     """
     color = as_float("color", color, (None, camera.height, camera.width, 3))
     if len(color) == 0:
         raise InputError("color: got no buffers; allowed is at least one")
-    absent = np.isnan(depth) if np.shape(depth) == color.shape[:3] else np.zeros(0, dtype=bool)
-    filled = np.where(absent, 1.0, depth) if absent.size else depth
-    filled = as_float("depth", filled, color.shape[:3], dtype=np.float64, finite=False)
+    absent = np.isnan(np.asarray(depth, dtype=np.float64))
+    filled = as_float("depth", np.where(absent, np.inf, depth), color.shape[:3], dtype=np.float64, finite=False)
     if not (filled > 0.0).all():
         raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
+    if absent.all():
+        raise InputError("depth: no surface anywhere; allowed is at least one that is not NaN")
     return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace or Trace())
 
 
