@@ -85,18 +85,25 @@ def blurs(view, rounds):
 
 
 def totals(view, rounds, samples):
-    """Seconds of the whole method and of what it is compared with; `prepare` is shared and counted once."""
+    """Seconds of the whole method and of what it is compared with, less those for scene and acceleration structure."""
+    view.tracer()
+    with view.booking() as book:
+        view.layers(4)
+    peel = book.used["layers 4"]
     rows = {}
     for name, params in (("cascaded", {}), ("not cascaded", {"cascade": False}), ("k-means", {"placement": "kmeans"}),
                          ("box", {"filter": "box"}), ("pyramid", {"filter": "pyramid"})):  # fmt: skip
         render_view("cascaded", view, **params)
-        results = [render_view("cascaded", view, **params).seconds for _ in range(rounds)]
-        rows[name] = {side: statistics.median(r[side] for r in results) for side in ("prepare", "blur")}
+        blur = statistics.median(render_view("cascaded", view, **params).seconds["blur"] for _ in range(rounds))
+        rows[name] = {"peel": peel, "blur": blur}
     warm_up("accumulation", {})
-    rows[f"{samples} views"] = {"prepare": 0.0, "blur": reference_of_view(view, samples=samples).seconds}
+    rows[f"{samples} views"] = {"peel": 0.0, "blur": reference_of_view(view, samples=samples).seconds}
     if "lensblur" in refdof.METHODS:
         warm_up("lensblur", {"rays": samples})
-        rows[f"{samples} rays"] = render_view("lensblur", view, rays=samples).seconds
+        with view.booking() as book:
+            blur = render_view("lensblur", view, rays=samples).seconds["blur"]
+        own = {name: s for name, s in book.used.items() if name not in ("surfaces", "tracer", "triangles")}
+        rows[f"{samples} rays"] = {"peel": sum(own.values()), "blur": blur}
     return rows
 
 
@@ -156,13 +163,13 @@ def tables(result):
         f"{'met' if ratio >= TARGET else 'missed'} |",
         f"| each by scipy | {blur['scipy_s']:.3f} | |",
         "",
-        "| method | prepare [s] | blur [s] | all, times cascaded |",
+        "| method | peel [s] | blur [s] | all, times cascaded |",
         "|---|---|---|---|",
     ]
     whole = sum(total["cascaded"].values())
     for name, row in total.items():
         paper = f" (paper {PAPER[name][0]:.0f}, {PAPER[name][1]:.0f})" if name in PAPER else ""
-        lines.append(f"| {name} | {row['prepare']:.3f} | {row['blur']:.3f} | {sum(row.values()) / whole:.1f}{paper} |")
+        lines.append(f"| {name} | {row['peel']:.3f} | {row['blur']:.3f} | {sum(row.values()) / whole:.1f}{paper} |")
     lines += ["", "| layers | arrays [MB] | resident [MB] |", "|---|---|---|"]
     lines += [f"| {count} | {arrays:.1f} | {resident:.1f} |" for count, arrays, resident in result["memory"]]
     return "\n".join(lines)

@@ -14,6 +14,8 @@ Stages: "bounds" (K + 1,) scene units, "deviation" (K,) px, "coordinate" (M, H, 
 
 Departures from the paper
 -------------------------
+`docs/cascaded_errata.png`, made by `benchmarks/cascaded_errata.py`, shows what the first four do.
+
 - Eq. (4) is printed with its falling ramp upside down: it jumps from 1 to 0 at z_k and climbs to 1 at z_(k+1). Figure
   4(a) and the text want (z_(k+1) - z) / (z_(k+1) - z_k). `ramp="as_printed"` shows what the misprint does.
 - z_(-2) = z_(-1) = z_0 = -inf leaves layer 0 an empty core and 0 / 0 on its ramp, though Eq. (9) gives z_0 a finite
@@ -29,7 +31,8 @@ Departures from the paper
   the same behind. The paper wants z_0 in front of it, which is one more layer on either side. No blur is wider than the
   picture's longer side.
 - A background is a surface at infinity in the first buffer that has nothing else. Where all M buffers are taken, what
-  lies behind them is missing, and the division by alpha fills in.
+  lies behind them is missing, and the division by alpha fills in: sharp-edged patches where two wires of `fence` cross,
+  whose four faces take all four buffers. `buffers=None` has none.
 - Taps are sampled up to 3 standard deviations and scaled to a sum of 1; outside the picture is transparent.
 - Steps between layers that hold nothing are joined: one blur with their variances added.
 - Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
