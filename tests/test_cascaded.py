@@ -293,7 +293,7 @@ def test_a_background_is_there_once_and_only_buffers_that_exist_count():
     on_card = coordinate[1, 4] >= 0
     assert on_card.sum() == 4  # 4.8 px wide around x = 6: centres 4.5 to 7.5
     whole = Trace(on=True)
-    cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(buffers=None), whole)
+    cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(buffers="all"), whole)
     assert np.array_equal(whole.stages["coordinate"], coordinate)
 
 
@@ -301,6 +301,7 @@ def test_a_background_is_there_once_and_only_buffers_that_exist_count():
     ("values", "words"),
     [
         ({"buffers": 0}, "buffers: got 0"),
+        ({"buffers": "al"}, "buffers: got 'al'; allowed are a whole number >= 1 and all"),
         ({"filter": "gauss"}, "filter: got 'gauss'; did you mean 'gaussian'"),
         ({"placement": "k"}, "placement: got 'k'"),
         ({"ramp": "up"}, "ramp: got 'up'"),

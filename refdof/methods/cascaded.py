@@ -32,7 +32,7 @@ Departures from the paper
   picture's longer side.
 - A background is a surface at infinity in the first buffer that has nothing else. Where all M buffers are taken, what
   lies behind them is missing, and the division by alpha fills in: sharp-edged patches where two wires of `fence` cross,
-  whose four faces take all four buffers. `buffers=None` has none.
+  whose four faces take all four buffers. `buffers="all"` has none.
 - Taps are sampled up to 3 standard deviations and scaled to a sum of 1; outside the picture is transparent.
 - Steps between layers that hold nothing are joined: one blur with their variances added.
 - Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
@@ -78,8 +78,8 @@ class Params:
 
     Parameters
     ----------
-    buffers : int or None
-        M, peeled surfaces per pixel; None: all there are.
+    buffers : int or "all"
+        M, peeled surfaces per pixel; "all": as many as there are.
     cascade : bool
         Blur between compositions; False: blur every layer by itself, Eq. (11).
     filter : "gaussian", "box" or "pyramid"
@@ -96,7 +96,7 @@ class Params:
         Standard deviation of the first blur [px], >= 0.5; 1 in Eq. (14). Smaller means more layers.
     """
 
-    buffers: int | None = 4
+    buffers: int | str = 4
     cascade: bool = True
     filter: str = "gaussian"
     placement: str = "filter"
@@ -106,7 +106,9 @@ class Params:
     sigma_step: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.buffers is not None:
+        if isinstance(self.buffers, str) and self.buffers != "all":
+            raise InputError(f"buffers: got {self.buffers!r}; allowed are a whole number >= 1 and all")
+        if self.buffers != "all":
             object.__setattr__(self, "buffers", as_integer("buffers", self.buffers, minimum=1))
         as_choice("filter", self.filter, _FILTERS)
         as_choice("placement", self.placement, ("filter", "kmeans"))
@@ -120,9 +122,9 @@ class Params:
 
 def render(view: View, params: Params, trace: Trace) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    layers = view.layers(params.buffers)
+    layers = view.layers(None if isinstance(params.buffers, str) else params.buffers)
     color, depth, empty = layers.color, layers.depth, layers.triangle < 0
-    if params.buffers is None and not empty[-1].all():  # room for the background of the deepest pixel
+    if params.buffers == "all" and not empty[-1].all():  # room for the background of the deepest pixel
         color, depth, empty = (
             np.concatenate([part, np.full((1, *part.shape[1:]), value, part.dtype)])
             for part, value in ((color, 0), (depth, np.inf), (empty, True))
