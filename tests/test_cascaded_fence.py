@@ -1,10 +1,14 @@
-"""What a blurred fence hides: cascaded layers show it as the reference does, and methods with one layer do not."""
+"""A blurred fence: what it hides shows as in the reference, not so with single layers; and memory."""
+
+import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import ndimage
 
 import refdof
+from refdof.methods.cascaded import blur_buffers, layering_of
 from refdof.reference import reference_of_view
 from refdof.rendering import render_view
 
@@ -40,3 +44,22 @@ def test_one_layer_shows_nothing_of_it(fence):
     # Measured 0.03 for taps of the pinhole picture; one peeled buffer knows what is seen beside a bar, measured 0.3.
     assert abs(correlation(fence, "singlepass")) < 0.15
     assert correlation(fence, "cascaded", buffers=1) < 0.45
+
+
+def test_memory_does_not_grow_with_the_number_of_layers(fence):
+    view, _, _ = fence
+    layers = view.layers(4)
+    depth = np.where(layers.triangle < 0, np.nan, layers.depth)
+    peaks, counts = [], []
+    for factor in (1.0, 30.0):
+        lens = replace(view.lens, radius=view.lens.radius * factor)
+        counts.append(len(layering_of(depth, view.camera, lens).deviation))
+        blur_buffers(layers.color, depth, view.camera, lens)
+        tracemalloc.start()
+        blur_buffers(layers.color, depth, view.camera, lens)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert counts[0] <= 5
+    assert counts[1] >= 25
+    # A layer of RGBA is 0.3 MB, 11 % of the peak; a mark per row and layer is 120 bytes.
+    assert peaks[1] < 1.02 * peaks[0]
