@@ -17,7 +17,6 @@ import json
 import math
 import multiprocessing
 import os
-import resource
 import statistics
 import time
 import tracemalloc
@@ -64,22 +63,27 @@ def blurs(view, rounds):
     deviations = trace.stages["deviation"]
     focus = int(np.argmin(deviations))
     steps = [float(abs(k - focus)) for k in range(len(layers))]
-    scratch = np.empty_like(layers[0])
+    work, scratch = np.empty_like(layers[0]), np.empty_like(layers[0])
 
     def ours(sizes):
+        spent = 0.0
         for layer, deviation in zip(layers, sizes, strict=True):
-            work = layer.copy()
-            gaussian_blur(work, float(deviation), scratch)
+            work[:] = layer
+            spent += seconds(lambda size=float(deviation): gaussian_blur(work, size, scratch))
+        return spent
 
     def scipys():
+        spent = 0.0
         for layer, deviation in zip(layers, deviations, strict=True):
-            if deviation > 0.0:
-                reach = math.ceil(TRUNCATION * deviation)
-                for plane in layer:
-                    ndimage.gaussian_filter(plane, deviation, mode="constant", radius=reach)
+            reach = math.ceil(TRUNCATION * deviation)
+            for plane, out in zip(layer, work, strict=True):
+                if deviation > 0.0:
+                    options = {"mode": "constant", "radius": reach, "output": out}
+                    spent += seconds(lambda p=plane, d=deviation, o=options: ndimage.gaussian_filter(p, d, **o))
+        return spent
 
     ours(deviations)  # compile
-    times = [(seconds(lambda: ours(steps)), seconds(lambda: ours(deviations)), seconds(scipys)) for _ in range(rounds)]
+    times = [(ours(steps), ours(deviations), scipys()) for _ in range(rounds)]
     step_s, apart_s, scipy_s = (statistics.median(side) for side in zip(*times, strict=True))
     return {"layers": len(layers), "steps_s": step_s, "apart_s": apart_s, "scipy_s": scipy_s}
 
@@ -117,6 +121,11 @@ def radius_for(view, count):
     return float(factors[np.argmin(np.abs(np.array(made) - count))])
 
 
+def resident_kb(field):
+    """Of this process, as Linux tells."""
+    return int(Path("/proc/self/status").read_text().split(f"{field}:")[1].split()[0])
+
+
 def measure_memory(name, size, factor, results):
     """Runs in its own process: (layers, MB of arrays, MB resident), the buffers themselves not counted."""
     view = view_of(name, size, factor)
@@ -125,9 +134,10 @@ def measure_memory(name, size, factor, results):
     cascaded.render(small, cascaded.Params(), Trace())  # compile
     depth = np.where(layers.triangle < 0, np.nan, layers.depth)
     count = len(cascaded.layering_of(depth, view.camera, view.lens).deviation)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = resident_kb("VmRSS")
+    Path("/proc/self/clear_refs").write_text("5")  # forget the largest size so far
     cascaded.blur_buffers(layers.color, depth, view.camera, view.lens)
-    resident = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    resident = resident_kb("VmHWM") - before
     tracemalloc.start()
     cascaded.blur_buffers(layers.color, depth, view.camera, view.lens)
     arrays = tracemalloc.get_traced_memory()[1]
