@@ -11,12 +11,12 @@ import numpy as np
 STEP = 2**40  # one over the step right; its square is one over the step down; corners are below 2^30
 
 
-def on_grid(vertex, camera, bits=8):
-    """A camera-space vertex in front of the eye on the grid of 2^-bits px: two ints, y down."""
+def on_grid(vertex, camera, bits=12, real=np.float64):
+    """A camera-space vertex in front of the eye on the grid of 2^-bits px: two ints, y down. real: of its place."""
     x, y, z = (float(v) for v in vertex)
-    column = np.float32(camera.width / 2 + x * camera.pixels_per_tangent / -z)
-    row = np.float32(camera.height / 2 - y * camera.pixels_per_tangent / -z)
-    return tuple(round(Fraction(float(v - np.float32(0.5))) * 2**bits) for v in (column, row))
+    column = real(camera.width / 2 + x * camera.pixels_per_tangent / -z)
+    row = real(camera.height / 2 - y * camera.pixels_per_tangent / -z)
+    return tuple(round(Fraction(float(v - real(0.5))) * 2**bits) for v in (column, row))
 
 
 def side(a, b, p):
@@ -32,7 +32,7 @@ def turn(corners):
     return (area > 0) - (area < 0)
 
 
-def covers(corners, x, y, bits=8):
+def covers(corners, x, y, bits=12):
     """Whether the snapped triangle covers the centre of pixel (x, y)."""
     p = (x << bits, y << bits)
     signs = {side(corners[k], corners[(k + 1) % 3], p) > 0 for k in range(3)}
@@ -61,11 +61,11 @@ def ray_of(camera, x, y):
     return (x + 0.5 - 0.5 * camera.width) * scale, (0.5 * camera.height - y - 0.5) * scale, -1.0
 
 
-def draw(vertices, faces, camera, bits=8):
+def draw(vertices, faces, camera, bits=12, real=np.float64):
     """depth, triangle and weights as `rasterize`, for triangles in front of the near plane and not edge-on."""
     shape = (camera.height, camera.width)
     depth, triangle, weight = np.full(shape, np.inf), np.full(shape, -1), np.zeros((*shape, 2))
-    snapped = [[on_grid(vertices[v], camera, bits) for v in face] for face in faces]
+    snapped = [[on_grid(vertices[v], camera, bits, real) for v in face] for face in faces]
     for y, x in np.ndindex(shape):
         best = None
         for i in reversed(range(len(faces))):

@@ -130,6 +130,8 @@ def test_level_of_detail():
     squared = np.array([1.0, 4.0, 2.25, 9.0, 7.3**2])
     assert np.allclose(level_of_detail(squared), [0, 1, math.log2(1.5), math.log2(3), math.log2(7.3)], rtol=1e-15)
     # m 2^e by hand: 2.25 = 1.125 2^1, 9 = 1.125 2^3, 53.29 = 1.6653125 2^5
+    assert np.allclose(level_of_detail(squared, bias=[0, -2, 1, 0.5, 0])[:2], [0, -1], rtol=1e-15)
+    assert level_of_detail(4.0, LLVMPIPE, bias=0.25) == 1.25
     assert np.allclose(level_of_detail(squared, LLVMPIPE), [0, 1, 0.5625, 1.5625, 2.83265625], rtol=1e-15)
 
 
@@ -193,6 +195,7 @@ def test_gaussian_keeps_a_constant(dtype):
         (lambda: fetch(noise((2, 2)), [[0], [1, 2]], 0), "x: expected numbers"),
         (lambda: bilinear(noise((2, 2)), 0, [[0], [1, 2]]), "v: expected numbers"),
         (lambda: level_of_detail(0.0), "squared"),
+        (lambda: level_of_detail([1.0, 2.0], bias=[0.0] * 3), "squared, bias: got shapes"),
         (lambda: gaussian_mipmaps(noise((2, 2)), std=0), "std"),
         (lambda: box_mipmaps(np.ones((2, 2, 1), dtype=np.uint8)), "image: got uint8"),
     ],

@@ -1,7 +1,7 @@
 """Pieces: triangles clipped in camera space, projected and snapped to the sub-pixel grid, as a GPU does.
 
 1. `_polygon`   clip a triangle at the near plane and at a guard band far outside the picture [1]
-2. `_snap`      project a corner and round it to the grid, in float32
+2. `_snap`      project a corner and round it to the grid, in float32 or exactly
 3. `_set_up`    one snapped triangle per piece, counter-clockwise in (x, row), with its box of pixels
 
 Two triangles cut their shared edge at the same bits, since each cut runs from the inside to the outside.
@@ -19,7 +19,7 @@ from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.camera import Camera
 
-__all__ = ["Pieces", "pieces_of"]
+__all__ = ["Pieces", "pieces_of", "snapped"]
 
 _GUARD_PX = 32768.0  # farther from the picture's centre, float32 has no sub-pixels left and edges could overflow
 _MOST_CORNERS = 8  # a triangle cut by five planes
@@ -38,8 +38,11 @@ class Pieces(NamedTuple):
     box: Index
 
 
-def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: int) -> Pieces:
-    """Clip, project and snap: vertices (V, 3) float64 in camera space, near [scene units] > 0."""
+def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: int, exact: bool) -> Pieces:
+    """Clip, project and snap: vertices (V, 3) float64 in camera space, near [scene units] > 0.
+
+    exact: window positions are not rounded to float32 before they snap to 2^-bits px.
+    """
     scale = camera.pixels_per_tangent
     counts = _count(vertices, faces, near, scale)
     first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
@@ -47,8 +50,26 @@ def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: 
     pieces = Pieces(
         np.empty((total, 6), dtype=np.int32), np.empty(total, dtype=np.int32), np.empty((total, 4), dtype=np.int32)
     )
-    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, first, pieces)
+    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, exact, first, pieces)
     return pieces
+
+
+def snapped(vertices: Float, camera: Camera, near: float, bits: int, exact: bool) -> Float:
+    """Vertices (V, 3) moved in their own depth to where the grid has them; those behind the near plane stay."""
+    moved = vertices.copy()
+    _move(moved, near, camera.pixels_per_tangent, camera.width, camera.height, bits, exact)
+    return moved
+
+
+@kernel
+def _move(vertices, near, scale, width, height, bits, exact):
+    """`snapped`, in place."""
+    for k in prange(len(vertices)):
+        depth = -vertices[k, 2]
+        if depth >= near:
+            x, y = _snap(vertices[k, 0], vertices[k, 1], depth, scale, width, height, bits, exact)
+            vertices[k, 0] = (x / 2.0**bits + 0.5 - 0.5 * width) * depth / scale
+            vertices[k, 1] = (0.5 * height - y / 2.0**bits - 0.5) * depth / scale
 
 
 @kernel
@@ -65,7 +86,7 @@ def _count(vertices, faces, near, scale):
 
 
 @kernel
-def _set_up(vertices, faces, near, scale, width, height, bits, first, pieces):
+def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, pieces):
     """Fill `pieces`; `first` (F + 1,) says where those of each face begin."""
     for i in prange(len(faces)):
         if first[i + 1] == first[i]:
@@ -80,10 +101,10 @@ def _set_up(vertices, faces, near, scale, width, height, bits, first, pieces):
         else:
             count, side = _polygon(vertices, faces, i, near, scale, room)
         # Cut the polygon into a fan around its first corner.
-        ax, ay = _snap(room, side, 0, scale, width, height, bits)
-        bx, by = _snap(room, side, 1, scale, width, height, bits)
+        ax, ay = _snap_corner(room[side, 0], scale, width, height, bits, exact)
+        bx, by = _snap_corner(room[side, 1], scale, width, height, bits, exact)
         for k in range(2, count):
-            cx, cy = _snap(room, side, k, scale, width, height, bits)
+            cx, cy = _snap_corner(room[side, k], scale, width, height, bits, exact)
             _store(pieces, first[i] + k - 2, i, ax, ay, bx, by, cx, cy, width, height, bits)
             bx, by = cx, cy
 
@@ -147,13 +168,20 @@ def _polygon(vertices, faces, i, near, scale, room):
 
 
 @inline
-def _snap(room, side, k, scale, width, height, bits):
-    """A corner's place on the grid: (x, y) int64, row 0 on top; ties go to even."""
-    depth = -room[side, k, 2]
-    x = np.float32(0.5 * width + room[side, k, 0] * scale / depth)
-    y = np.float32(0.5 * height - room[side, k, 1] * scale / depth)
-    half, unit = np.float32(0.5), np.float32(2.0**bits)
-    return np.int64(np.rint((x - half) * unit)), np.int64(np.rint((y - half) * unit))
+def _snap_corner(corner, scale, width, height, bits, exact):
+    """`_snap` of a corner (3,) in camera space."""
+    return _snap(corner[0], corner[1], -corner[2], scale, width, height, bits, exact)
+
+
+@inline
+def _snap(x, y, depth, scale, width, height, bits, exact):
+    """A point's place on the grid: (x, y) int64, row 0 on top; ties go to even."""
+    x, y, unit = 0.5 * width + x * scale / depth, 0.5 * height - y * scale / depth, 2.0**bits
+    if exact:
+        return np.int64(np.rint((x - 0.5) * unit)), np.int64(np.rint((y - 0.5) * unit))
+    half = np.float32(0.5)
+    column, row = (np.float32(x) - half) * np.float32(unit), (np.float32(y) - half) * np.float32(unit)
+    return np.int64(np.rint(column)), np.int64(np.rint(row))
 
 
 @inline

@@ -10,7 +10,7 @@ import numpy as np
 from refdof._jit import inline
 from refdof.raster.gpu_model import GpuModel
 
-__all__ = ["Rules", "bilinear_at", "fused_multiply_add", "lerp", "rules_of", "texel_at"]
+__all__ = ["Rules", "bilinear_at", "fused_multiply_add", "lerp", "rules_of", "split", "texel_at"]
 
 
 class Rules(NamedTuple):
@@ -73,6 +73,21 @@ def fused_multiply_add(x, y, z):
 def _flush(x):
     """0 of the same sign for a float32 below 2^-126."""
     return np.float32(np.copysign(0.0, x)) if abs(x) < 1.1754943508222875e-38 else x
+
+
+@inline
+def split(x, size, rounded, bordered, real):
+    """The first of two texels that x [texels from the corner] lies between, and the weight of the second.
+
+    All in the type `real`; `rounded` keeps 8 bits. Without a border the first is in 0 .. size - 1: beyond the first
+    centre the second texel has weight 0, but is read.
+    """
+    least, most = real(-1 if bordered else 0), real(size if bordered else size - 1)
+    centred = min(max(x - real(0.5), least), most)
+    if rounded:
+        centred = real(np.floor(centred * real(256) + real(0.5))) / real(256)
+    first = real(np.floor(centred))
+    return np.int64(first), centred - first
 
 
 @inline

@@ -1,4 +1,4 @@
-"""Mip chains: as a driver makes them, by a 2 x 2 box, and by a 3 x 3 Gaussian.
+"""Mip chains: as a driver makes them, by a 2 x 2 box, by a 3 x 3 Gaussian, and of least and greatest values.
 
 Each level has half the size of the one before, rounded down, and at least 1.
 
@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_number
+from refdof._check import Float, InputError, as_float, as_number
 from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.halving import halve_box, halve_gaussian, halve_highest, halve_linear, halve_lowest
 from refdof.raster.texture import as_texture, at_texels
 
-__all__ = ["box_mipmaps", "gaussian_mipmaps", "generate_mipmaps"]
+__all__ = ["box_mipmaps", "extreme_mipmaps", "gaussian_mipmaps", "generate_mipmaps"]
 
 
 def generate_mipmaps(image: Any, model: GpuModel = EXACT) -> list[Any]:
@@ -46,6 +47,9 @@ def generate_mipmaps(image: Any, model: GpuModel = EXACT) -> list[Any]:
     levels = [as_texture("image", image, model)]
     while max(levels[-1].shape[:2]) > 1:
         fine = levels[-1]
+        if model == EXACT and fine.dtype != np.uint8 and all(n == 1 or n % 2 == 0 for n in fine.shape[:2]):
+            levels.append(_halved(halve_linear, fine))
+            continue
         level = at_texels(fine, *_centres(fine, model), model)
         levels.append(np.rint(level.astype(np.float64) * 255).astype(np.uint8) if fine.dtype == np.uint8 else level)
     return levels
@@ -72,14 +76,7 @@ def box_mipmaps(image: Any) -> list[Float]:
     """
     levels = [_as_floats(image)]
     while max(levels[-1].shape[:2]) > 1:
-        fine = levels[-1]
-        height, width = _half(fine)
-        down, right = int(fine.shape[0] > 1), int(fine.shape[1] > 1)
-        a, b, c, d = (
-            fine[y : y + 2 * height : 2, x : x + 2 * width : 2]
-            for y, x in ((0, 0), (0, right), (down, 0), (down, right))
-        )
-        levels.append(((a + b) + (c + d)) / fine.dtype.type(4))
+        levels.append(_halved(halve_box, levels[-1]))
     return levels
 
 
@@ -107,8 +104,12 @@ def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, std: float = 1.0) -> l
     std = as_number("std", std, above=0.0)
     side = math.exp(-0.5 / std / std)
     weights = np.array([side, 1.0, side]) / (1.0 + 2.0 * side)
+    nine = np.outer(weights, weights).astype(levels[0].dtype).ravel()
     while max(levels[-1].shape[:2]) > 1:
         fine = levels[-1]
+        if model == EXACT and nine.all() and fine.shape[0] % 2 == fine.shape[1] % 2 == 0:
+            levels.append(_halved(halve_gaussian, fine, nine))
+            continue
         x, y = _centres(fine, model)
         own = x.dtype.type
         level = np.zeros((*x.shape, fine.shape[2]), dtype=fine.dtype)
@@ -121,11 +122,51 @@ def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, std: float = 1.0) -> l
     return levels
 
 
+def extreme_mipmaps(depth: Any) -> tuple[list[Float], list[Float]]:
+    """Chains of the least and of the greatest depth.
+
+    Every finer texel belongs to one coarser texel: the last of an odd size joins the last.
+
+    Parameters
+    ----------
+    depth : (H, W) float32 or float64
+        Any values; infinite ones are empty, as in `refdof.raster.nbuffer`.
+
+    Returns
+    -------
+    two lists of (h, w) of the type of `depth`
+        The full size first, 1 x 1 last; where nothing is, the least is inf and the greatest -inf.
+
+    Raises
+    ------
+    InputError
+        If depth has another shape, no pixels or NaN.
+    """
+    depth = as_float("depth", depth, (None, None), finite=False)
+    if depth.size == 0:
+        raise InputError(f"depth: got shape {depth.shape}; allowed are images of at least one pixel")
+    infinity, empty = depth.dtype.type(np.inf), np.isinf(depth)
+    lowest, highest = [np.where(empty, infinity, depth)], [np.where(empty, -infinity, depth)]
+    while max(lowest[-1].shape) > 1:
+        for levels, halve in ((lowest, halve_lowest), (highest, halve_highest)):
+            levels.append(np.empty(_half(levels[-1]), dtype=depth.dtype))
+            halve(*levels[-2:])
+    return lowest, highest
+
+
 def _as_floats(image: Any) -> Float:
     image = as_texture("image", image, EXACT)
     if image.dtype == np.uint8:
         raise InputError("image: got uint8; allowed are float32 and float64")
     return image
+
+
+def _halved(halve: Any, fine: Float, *arguments: Any) -> Float:
+    """One coarser level by a kernel of `refdof.raster.halving`."""
+    height, _, channels = fine.shape
+    out = np.empty((*_half(fine), channels), dtype=fine.dtype)
+    halve(fine.reshape(height, -1), channels, *arguments, out.reshape(len(out), -1))
+    return out
 
 
 def _half(fine: Float) -> tuple[int, int]:

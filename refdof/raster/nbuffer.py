@@ -3,8 +3,8 @@
 Level i holds, at every pixel, the extreme value of the 2^i x 2^i square whose top left corner is that pixel, cut off
 at the border of the image. All levels have the size of the image.
 
-1. find every pixel's (or block's) extremes          `_bottom_lowest`, `_bottom_highest`
-2. double the squares, level by level                `_double_lowest`, `_double_highest`
+1. find every pixel's (or block's) extremes          `bottom_lowest`, `bottom_highest`
+2. double the squares, level by level                `double_lowest`, `double_highest`
 3. cover a rectangle with four equal squares         `lowest_in`, `highest_in`, `query`
 
 An infinite depth is empty: it counts as +inf in a minimum and as -inf in a maximum. A rectangle that holds nothing
@@ -32,10 +32,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float, as_index, as_integer
-from refdof._jit import inline, kernel, prange
+from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_integer
+from refdof._jit import borrow, inline, kernel, prange
+from refdof.raster.squares import bottom_highest, bottom_lowest, double_highest, double_lowest
 
 __all__ = ["Extremes", "NBuffer", "highest_in", "lowest_in", "n_buffer", "query"]
+
+
+_CHUNK = 4096  # rectangles that one iteration answers
 
 
 class NBuffer(NamedTuple):
@@ -102,13 +106,13 @@ def n_buffer(depth: Any, *, extremes: str = "both", largest: int | None = None, 
     highest = np.empty((levels if extremes != "min" else 0, rows, columns), dtype=depth.dtype)
     infinity = depth.dtype.type(np.inf)
     if len(lowest):
-        _bottom_lowest(stack, block, infinity, lowest[0])
+        bottom_lowest(stack, block, infinity, lowest[0])
         for level in range(1, levels):
-            _double_lowest(lowest[level - 1], 2 ** (level - 1), lowest[level])
+            double_lowest(lowest[level - 1], 2 ** (level - 1), lowest[level])
     if len(highest):
-        _bottom_highest(stack, block, infinity, highest[0])
+        bottom_highest(stack, block, infinity, highest[0])
         for level in range(1, levels):
-            _double_highest(highest[level - 1], 2 ** (level - 1), highest[level])
+            double_highest(highest[level - 1], 2 ** (level - 1), highest[level])
     return NBuffer(lowest, highest, block, height, width)
 
 
@@ -139,6 +143,22 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
         raise InputError(f"nbuffer: got {type(nbuffer).__name__}; allowed is what n_buffer returns")
     if exact and nbuffer.block > 1:
         raise InputError(f"exact: got True for blocks of {nbuffer.block} px; allowed is a buffer with block 1")
+    rectangles = x0, y0, x1, y1
+    ready = all(isinstance(side, np.ndarray) and side.dtype == np.int64 and side.ndim == 1 for side in rectangles)
+    if not ready or len({len(side) for side in rectangles}) > 1:
+        rectangles = _as_rectangles(nbuffer, *rectangles)
+    count = len(rectangles[0])
+    lowest = np.empty(count if len(nbuffer.lowest) else 0, dtype=nbuffer.lowest.dtype)
+    highest = np.empty(count if len(nbuffer.highest) else 0, dtype=nbuffer.highest.dtype)
+    inside = np.empty(-(-count // _CHUNK), dtype=np.bool_)
+    _query(*nbuffer, *rectangles, bool(exact), lowest, highest, inside)
+    if not inside.all():
+        _as_rectangles(nbuffer, *rectangles)
+    return Extremes(lowest, highest)
+
+
+def _as_rectangles(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any) -> tuple[Index, Index, Index, Index]:
+    """The gate for rectangles: four int64 arrays (K,), inside the image and not inverted."""
     x0 = as_index("x0", x0, (None,), end=nbuffer.width)
     y0 = as_index("y0", y0, x0.shape, end=nbuffer.height)
     x1 = as_index("x1", x1, x0.shape, end=nbuffer.width)
@@ -149,14 +169,7 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
             raise InputError(
                 f"{last_name}: got {last[k]} with {first_name} {first[k]}; allowed is {first_name} or more"
             )
-
-    lowest = np.empty(len(x0) if len(nbuffer.lowest) else 0, dtype=nbuffer.lowest.dtype)
-    highest = np.empty(len(x0) if len(nbuffer.highest) else 0, dtype=nbuffer.highest.dtype)
-    if len(lowest):
-        _query_lowest(nbuffer.lowest, nbuffer.block, x0, y0, x1, y1, bool(exact), lowest)
-    if len(highest):
-        _query_highest(nbuffer.highest, nbuffer.block, x0, y0, x1, y1, bool(exact), highest)
-    return Extremes(lowest, highest)
+    return x0, y0, x1, y1
 
 
 def _level_count(side: int, largest: int | None, block: int) -> int:
@@ -171,10 +184,20 @@ def _level_count(side: int, largest: int | None, block: int) -> int:
 @inline
 def lowest_in(levels, block, x0, y0, x1, y1, exact):
     """The least value in a rectangle, for kernels: `NBuffer.lowest`, `NBuffer.block`, inclusive pixels in the image."""
-    x0, y0, x1, y1 = x0 // block, y0 // block, x1 // block, y1 // block
-    level = _level_of(x1 - x0 + 1, y1 - y0 + 1, len(levels), exact)
+    if block > 1:
+        x0, y0, x1, y1 = x0 // block, y0 // block, x1 // block, y1 // block
+    width, height = x1 - x0 + 1, y1 - y0 + 1
+    level = _level_of(width, height, len(levels), exact)
     side = 1 << level
     found = levels[level, y0, x0]
+    if max(width, height) <= 2 * side:  # two by two squares
+        right, below = max(x1 + 1 - side, x0), max(y1 + 1 - side, y0)
+        value = levels[level, y0, right]
+        found = value if value < found else found
+        value = levels[level, below, x0]
+        found = value if value < found else found
+        value = levels[level, below, right]
+        return value if value < found else found
     for y in range(y0, y1 + 1, side):
         for x in range(x0, x1 + 1, side):
             value = levels[level, max(min(y, y1 + 1 - side), y0), max(min(x, x1 + 1 - side), x0)]
@@ -185,10 +208,20 @@ def lowest_in(levels, block, x0, y0, x1, y1, exact):
 @inline
 def highest_in(levels, block, x0, y0, x1, y1, exact):
     """The greatest value in a rectangle, for kernels: `NBuffer.highest`, else as `lowest_in`."""
-    x0, y0, x1, y1 = x0 // block, y0 // block, x1 // block, y1 // block
-    level = _level_of(x1 - x0 + 1, y1 - y0 + 1, len(levels), exact)
+    if block > 1:
+        x0, y0, x1, y1 = x0 // block, y0 // block, x1 // block, y1 // block
+    width, height = x1 - x0 + 1, y1 - y0 + 1
+    level = _level_of(width, height, len(levels), exact)
     side = 1 << level
     found = levels[level, y0, x0]
+    if max(width, height) <= 2 * side:  # two by two squares
+        right, below = max(x1 + 1 - side, x0), max(y1 + 1 - side, y0)
+        value = levels[level, y0, right]
+        found = value if value > found else found
+        value = levels[level, below, x0]
+        found = value if value > found else found
+        value = levels[level, below, right]
+        return value if value > found else found
     for y in range(y0, y1 + 1, side):
         for x in range(x0, x1 + 1, side):
             value = levels[level, max(min(y, y1 + 1 - side), y0), max(min(x, x1 + 1 - side), x0)]
@@ -199,86 +232,50 @@ def highest_in(levels, block, x0, y0, x1, y1, exact):
 @inline
 def _level_of(width, height, count, exact):
     """The squares to take: the largest that fit inside, or the smallest that cover two by two; < count."""
-    level = 0
-    if exact:
-        while level + 1 < count and 2 << level <= min(width, height):
-            level += 1
-    else:
-        while level + 1 < count and 2 << level < max(width, height):
-            level += 1
-    return level
+    pixels = min(width, height) if exact else max(width - 1, height - 1, 1)
+    exponent = (np.float64(pixels).view(np.int64) >> 52) - 1023  # floor(log2(pixels))
+    return min(exponent, count - 1)
+
+
+@inline
+def _least(level, x0, y0, x1, y1):
+    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
+    return min(min(a, b), min(c, d))
+
+
+@inline
+def _greatest(level, x0, y0, x1, y1):
+    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
+    return max(max(a, b), max(c, d))
 
 
 @kernel
-def _query_lowest(levels, block, x0, y0, x1, y1, exact, out):
-    """Fill out (K,)."""
-    for k in prange(len(out)):
-        out[k] = lowest_in(levels, block, x0[k], y0[k], x1[k], y1[k], exact)
+def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
+    """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
 
-
-@kernel
-def _query_highest(levels, block, x0, y0, x1, y1, exact, out):
-    """Fill out (K,)."""
-    for k in prange(len(out)):
-        out[k] = highest_in(levels, block, x0[k], y0[k], x1[k], y1[k], exact)
-
-
-@kernel
-def _bottom_lowest(stack, block, infinity, out):
-    """Least value of every block over all layers: stack (N, H, W) -> out (ceil(H / block), ceil(W / block))."""
-    for y in prange(len(out)):
-        row = out[y]
-        row[:] = infinity
-        for layer in range(len(stack)):
-            for source in range(y * block, min((y + 1) * block, stack.shape[1])):
-                for dx in range(min(block, stack.shape[2])):
-                    taps = stack[layer, source, dx::block]
-                    for x in range(len(taps)):
-                        value = taps[x] if abs(taps[x]) < infinity else infinity
-                        row[x] = value if value < row[x] else row[x]
-
-
-@kernel
-def _bottom_highest(stack, block, infinity, out):
-    """Greatest value of every block over all layers, as `_bottom_lowest`."""
-    for y in prange(len(out)):
-        row = out[y]
-        row[:] = -infinity
-        for layer in range(len(stack)):
-            for source in range(y * block, min((y + 1) * block, stack.shape[1])):
-                for dx in range(min(block, stack.shape[2])):
-                    taps = stack[layer, source, dx::block]
-                    for x in range(len(taps)):
-                        value = taps[x] if abs(taps[x]) < infinity else -infinity
-                        row[x] = value if value > row[x] else row[x]
-
-
-@kernel
-def _double_lowest(level, side, out):
-    """Squares of 2 `side` from squares of `side`: (H, W) -> (H, W).
-
-    A square that reaches the border has no right or lower neighbour that could add to it.
+    That part of the gate is here since reading all corners once more would take longer than the answers.
     """
-    height, width = level.shape
-    for y in prange(height):
-        upper, lower, row = level[y], level[min(y + side, height - 1)], out[y]
-        for x in range(width):
-            row[x] = upper[x] if upper[x] < lower[x] else lower[x]
-        upper_right, lower_right = upper[side:], lower[side:]
-        for x in range(len(upper_right)):
-            right = upper_right[x] if upper_right[x] < lower_right[x] else lower_right[x]
-            row[x] = right if right < row[x] else row[x]
-
-
-@kernel
-def _double_highest(level, side, out):
-    """As `_double_lowest`, for the greatest values."""
-    height, width = level.shape
-    for y in prange(height):
-        upper, lower, row = level[y], level[min(y + side, height - 1)], out[y]
-        for x in range(width):
-            row[x] = upper[x] if upper[x] > lower[x] else lower[x]
-        upper_right, lower_right = upper[side:], lower[side:]
-        for x in range(len(upper_right)):
-            right = upper_right[x] if upper_right[x] > lower_right[x] else lower_right[x]
-            row[x] = right if right > row[x] else row[x]
+    for chunk in prange(len(inside)):
+        left, top, right, bottom = borrow(x0), borrow(y0), borrow(x1), borrow(y1)
+        near, far = borrow(lowest), borrow(highest)
+        valid = True
+        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(left))):
+            if not (0 <= left[k] <= right[k] < width and 0 <= top[k] <= bottom[k] < height):
+                valid = False
+                continue
+            if block == 1 and not exact:
+                x, y = left[k], top[k]
+                longest = max(right[k] - x, bottom[k] - y) + 1
+                level = _level_of(longest, longest, max(len(near), len(far)), False)
+                if longest <= 2 << level:
+                    u, v = max(right[k] + 1 - (1 << level), x), max(bottom[k] + 1 - (1 << level), y)
+                    if len(near):
+                        low[k] = _least(near[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
+                    if len(far):
+                        high[k] = _greatest(far[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
+                    continue
+            if len(near):
+                low[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
+            if len(far):
+                high[k] = highest_in(far, block, left[k], top[k], right[k], bottom[k], exact)
+        inside[chunk] = valid

@@ -9,17 +9,20 @@ References
 .. [1] Khronos Group, OpenGL 4.5 specification, section 8.14 (texture minification).
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float
-from refdof._jit import kernel, prange
-from refdof.raster.filters import bilinear_at, lerp, rules_of
+from refdof._jit import borrow, kernel, prange
+from refdof.raster.filters import bilinear_at, lerp, rules_of, split
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
 
-__all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "split", "trilinear"]
+__all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
+
+_CHUNK = 1024  # points that one iteration reads
 
 
 def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
@@ -67,9 +70,7 @@ def bilinear(image: Any, u: Any, v: Any, model: GpuModel = EXACT, border: Any = 
     """
     image = as_texture("image", image, model)
     u, v = _coordinates(model, u=u, v=v)
-    own = u.dtype.type
-    with np.errstate(over="ignore"):  # far outside
-        return at_texels(image, u * own(image.shape[1]), v * own(image.shape[0]), model, border)
+    return at_texels(image, u, v, model, border, (image.shape[1], image.shape[0]))
 
 
 def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel = EXACT, border: Any = None) -> Float:
@@ -109,27 +110,18 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     lod = np.clip(lod, 0, len(images) - 1)
     if model.filter_bits:
         lod = np.floor(lod * lod.dtype.type(256) + lod.dtype.type(0.5)) / lod.dtype.type(256)
-    level = np.floor(lod).astype(np.int64)
-    parts = []
-    for step in (0, 1):
-        read = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
-        chosen = np.minimum(level + step, len(images) - 1)
-        for k in np.unique(chosen):
-            here = chosen == k
-            read[here] = bilinear(images[k], u[here], v[here], model, border)
-        parts.append(read)
     if whole_bytes:
-        fine, coarse = (np.rint(part.astype(np.float64) * 255).astype(np.int64) for part in parts)
-        weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]
-        out = decode_unorm(fine + (((coarse - fine) * weight + 128) >> 8), 255, model)
-    else:
-        weight = (lod - level).astype(parts[0].dtype)
-        out = np.where((weight > 0)[:, None], _blend(*parts, weight, rules_of(model)), parts[0])
+        return _trilinear_bytes(images, u, v, lod, model).reshape(*shape, images[0].shape[2])
+    out = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
+    with np.errstate(over="ignore"):  # far outside
+        for k in range(int(lod.min()), math.ceil(lod.max()) + 1) if len(lod) else ():
+            texels, colour = _as_floats(images[k], border, model)
+            _blend_level(texels, k, u, v, lod, model.filter_bits > 0, colour, border is not None, rules_of(model), out)
     return out.reshape(*shape, images[0].shape[2])
 
 
-def level_of_detail(squared: Any, model: GpuModel = EXACT) -> Float:
-    """The level whose texels have the footprint's size: log2 of it.
+def level_of_detail(squared: Any, model: GpuModel = EXACT, bias: Any = 0.0) -> Float:
+    """The level whose texels have the footprint's size: log2 of it, plus a bias.
 
     Parameters
     ----------
@@ -137,14 +129,18 @@ def level_of_detail(squared: Any, model: GpuModel = EXACT) -> Float:
         Square of the footprint's larger side [texels of level 0].
     model : GpuModel
         With `linear_log2`, log2(m 2^e) is e + m - 1 for 1 <= m < 2: up to 0.043 too low.
+    bias : (...), or a number
+        Levels to add. (Cards cut it, at 14 to 16 levels either way.)
     """
+    bias = as_float("bias", bias, _shape("bias", bias))
     squared = as_float("squared", squared, _shape("squared", squared))
     if not (squared > 0).all():
         raise InputError(f"squared: smallest value is {squared.min():g}; allowed are values > 0")
+    squared, bias = _matched(squared=squared, bias=bias)
     if not model.linear_log2:
-        return 0.5 * np.log2(squared)
+        return 0.5 * np.log2(squared) + bias
     mantissa, exponent = np.frexp(squared)
-    return 0.5 * (exponent - 1 + (2 * mantissa - 1))
+    return 0.5 * (exponent - 1 + (2 * mantissa - 1)) + bias
 
 
 def as_texture(name: str, image: Any, model: GpuModel) -> Any:
@@ -159,43 +155,80 @@ def as_texture(name: str, image: Any, model: GpuModel) -> Any:
     return np.ascontiguousarray(image)
 
 
-def at_texels(image: Any, x: Float, y: Float, model: GpuModel, border: Any = None) -> Float:
-    """`bilinear` at x, y in texels from the image's corner; nothing but `border` is checked."""
+def at_texels(
+    image: Any, x: Float, y: Float, model: GpuModel, border: Any = None, scale: tuple[int, int] = (1, 1)
+) -> Float:
+    """`bilinear` at x, y, which times `scale` are texels from the image's corner; nothing but `border` is checked."""
     height, width, channels = image.shape
-    colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=np.float64)
+    scale_x, scale_y = x.dtype.type(scale[0]), x.dtype.type(scale[1])
     if image.dtype == np.uint8 and model.integer_unorm8 and border is None:
+        with np.errstate(over="ignore"):  # far outside
+            x, y = x * scale_x, y * scale_y
         whole = _filter_bytes(image, _fixed(x, width).ravel(), _fixed(y, height).ravel())
         return decode_unorm(whole, 255, model).reshape(*x.shape, channels)
-    if image.dtype == np.uint8:
-        image, colour = _decoded(image, model), np.clip(colour, 0.0, 1.0)
-    column, right = split(x, width, model, border is not None)
-    row, below = split(y, height, model, border is not None)
-    places = column.ravel(), row.ravel(), right.ravel().astype(image.dtype), below.ravel().astype(image.dtype)
-    out = _filter(image, *places, colour.astype(image.dtype), border is not None, rules_of(model))
+    texels, colour = _as_floats(image, border, model)
+    rounded, bordered = model.filter_bits > 0, border is not None
+    with np.errstate(over="ignore"):
+        out = _filter(texels, x.ravel(), y.ravel(), scale_x, scale_y, rounded, colour, bordered, rules_of(model))
     return out.reshape(*x.shape, channels)
 
 
-def split(x: Float, size: int, model: GpuModel, bordered: bool) -> tuple[Index, Float]:
-    """The first of two texels that x [texels from the corner] lies between, and the weight of the second.
+def _as_floats(image: Any, border: Any, model: GpuModel) -> tuple[Float, Float]:
+    """The image as floats, and the border's colour (C,) of the same type."""
+    channels = image.shape[2]
+    colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=np.float64)
+    if image.dtype == np.uint8:
+        image, colour = _decoded(image, model), np.clip(colour, 0.0, 1.0)
+    return image, colour.astype(image.dtype)
 
-    Without a border the first is in 0 .. size - 1: beyond the first centre the second texel has weight 0, but is read.
-    """
-    own = x.dtype.type
-    centred = np.clip(x - own(0.5), own(-1 if bordered else 0), own(size if bordered else size - 1))
-    if model.filter_bits:
-        centred = np.floor(centred * own(256) + own(0.5)) / own(256)
-    first = np.floor(centred)
-    return first.astype(np.int64), centred - first
+
+def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, model: GpuModel) -> Float:
+    """`trilinear` in integers: u, v, lod (N,) -> (N, C)."""
+    level, own = np.floor(lod).astype(np.int64), u.dtype.type
+    parts = []
+    for step in (0, 1):
+        read = np.empty((len(u), images[0].shape[2]), dtype=np.int64)
+        chosen = np.minimum(level + step, len(images) - 1)
+        for k in np.unique(chosen):
+            here, (height, width) = chosen == k, images[k].shape[:2]
+            with np.errstate(over="ignore"):  # far outside
+                x, y = _fixed(u[here] * own(width), width), _fixed(v[here] * own(height), height)
+            read[here] = _filter_bytes(images[k], x, y)
+        parts.append(read)
+    weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]
+    return decode_unorm(parts[0] + (((parts[1] - parts[0]) * weight + 128) >> 8), 255, model)
 
 
 @kernel
-def _filter(image, x, y, wx, wy, border, bordered, rules):
-    """Bilinear reads (N, C) of an image of floats; x, y, wx, wy are (N,)."""
+def _filter(image, x, y, scale_x, scale_y, rounded, border, bordered, rules):
+    """Bilinear reads (N, C) of an image of floats at x, y (N,), which times the scales are in texels."""
     out = np.empty((len(x), image.shape[2]), dtype=image.dtype)
-    for k in prange(len(x)):
-        for c in range(image.shape[2]):
-            out[k, c] = bilinear_at(image, x[k], y[k], wx[k], wy[k], c, border, bordered, rules)
+    for chunk in prange((len(x) + _CHUNK - 1) // _CHUNK):
+        texels, own, real = borrow(image), image.dtype.type, x.dtype.type
+        height, width, channels = texels.shape
+        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(x))):
+            column, right = split(x[k] * scale_x, width, rounded, bordered, real)
+            row, below = split(y[k] * scale_y, height, rounded, bordered, real)
+            for c in range(channels):
+                out[k, c] = bilinear_at(texels, column, row, own(right), own(below), c, border, bordered, rules)
     return out
+
+
+@kernel
+def _blend_level(image, level, u, v, lod, rounded, border, bordered, rules, out):
+    """Write reads of a level where it is the finer of a point's two; blend them in where it is the coarser."""
+    for chunk in prange((len(u) + _CHUNK - 1) // _CHUNK):
+        texels, own, real = borrow(image), image.dtype.type, u.dtype.type
+        height, width, channels = texels.shape
+        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(u))):
+            first = int(np.floor(lod[k]))
+            weight = own(lod[k] - real(first))
+            if first == level or (first == level - 1 and weight > 0):
+                column, right = split(u[k] * real(width), width, rounded, bordered, real)
+                row, below = split(v[k] * real(height), height, rounded, bordered, real)
+                for c in range(channels):
+                    read = bilinear_at(texels, column, row, own(right), own(below), c, border, bordered, rules)
+                    out[k, c] = read if first == level else lerp(out[k, c], read, weight, rules)
 
 
 @kernel
@@ -211,16 +244,6 @@ def _filter_bytes(image, x, y):
             p += ((np.int64(image[top, right, c]) - p) * (x[k] & 255) + 128) >> 8
             q += ((np.int64(image[bottom, right, c]) - q) * (x[k] & 255) + 128) >> 8
             out[k, c] = p + (((q - p) * (y[k] & 255) + 128) >> 8)
-    return out
-
-
-@kernel
-def _blend(fine, coarse, weight, rules):
-    """Lerp of (N, C) rows with weight (N,)."""
-    out = np.empty_like(fine)
-    for k in prange(len(fine)):
-        for c in range(fine.shape[1]):
-            out[k, c] = lerp(fine[k, c], coarse[k, c], weight[k], rules)
     return out
 
 

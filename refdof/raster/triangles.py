@@ -3,7 +3,8 @@
 1. clip, project and snap every triangle         `refdof.raster.clip`
 2. sort the pieces into tiles                    `refdof.raster.bins`
 3. cover each tile's pixel centres               `_draw_tile`, edge functions [1]
-4. depth and barycentrics of the unsnapped plane `_plane`, homogeneous [2]
+4. depth and barycentrics of the triangle's plane `_plane`, homogeneous [2]
+5. store depth, keep the nearest                 `_keep`, `refdof.raster.depth_format`
 
 Fill rule: a pixel centre on an edge belongs to the triangle whose left edge it is, or whose horizontal edge of lowest
 row; with row 0 on top that is the top edge (the top-left rule). So triangles that share an edge never share a pixel
@@ -20,23 +21,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_integer, as_number
+from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_number
 from refdof._jit import inline, run_tasks, tile_kernel
 from refdof.camera import Camera
 from refdof.raster.bins import TILE_PX, bins_of
-from refdof.raster.clip import pieces_of
+from refdof.raster.clip import pieces_of, snapped
+from refdof.raster.depth_format import depth_code, depths_of, key_of, keys_of
+from refdof.raster.gpu_model import EXACT, GpuModel
 
-__all__ = ["Raster", "rasterize"]
+__all__ = ["FINEST_BITS", "Raster", "rasterize"]
 
+FINEST_BITS = 12  # of the exact model; finer, an edge function of the guard band could overflow 64 bits
 _NEAR = 1e-6  # of the largest coordinate: far below every scene's own near end, far above rounding
-_FINEST_BITS = 12  # finer, an edge function of the guard band would not fit into 64 bits with room to spare
 
 
 class Raster(NamedTuple):
     """The nearest triangle at every pixel centre; an empty pixel has depth inf, triangle -1 and zeros.
 
-    depth (H, W) [scene units]; triangle (H, W) int32; barycentric (H, W, 2): the weights of the second and third
-    corner. A centre that only the snapped triangle covers has a weight outside [0, 1], far outside if seen edge-on.
+    depth (H, W) [scene units], as read back from its format; triangle (H, W) int32; barycentric (H, W, 2): the weights
+    of the second and third corner. A centre that only the snapped triangle covers has a weight outside [0, 1], far
+    outside if seen edge-on.
     """
 
     depth: Float
@@ -50,8 +54,10 @@ def rasterize(
     camera: Camera,
     *,
     near: float | None = None,
-    subpixel_bits: int = 8,
-    precision: str = "float64",
+    far: float = math.inf,
+    model: GpuModel = EXACT,
+    precision: str | None = None,
+    depth_format: str = "linear",
     previous_depth: Float | None = None,
 ) -> Raster:
     """Draw triangles into one depth buffer; the nearest wins, and of equally near ones the first.
@@ -63,18 +69,22 @@ def rasterize(
     faces : (F, 3) int
     camera : Camera
         Its size and angle; `vertices` are relative to it already.
-    near : float
-        Planar depth of the near plane [scene units], > 0; None: a millionth of the largest coordinate.
-    subpixel_bits : int
-        Corners snap to 2^-bits px, 0 .. 12. Coverage only: depth and barycentrics use unsnapped corners.
-    precision : "float64" or "float32"
-        Of depth and barycentrics.
+    near, far : float
+        Planar depths of the clipping planes [scene units], 0 < near < far; None: a millionth of the largest coordinate.
+    model : GpuModel
+        Gives the grid that corners snap to. The exact model has no grid: its corners keep 2^-12 px, the finest step for
+        which whole numbers decide coverage.
+    precision : "float64", "float32" or None
+        Of depth and barycentrics; None: float64 with the exact model, which alone has it, else float32.
+    depth_format : one of `refdof.raster.depth_format.DEPTH_FORMATS`
+        How depths are stored and compared.
     previous_depth : (H, W), or None
-        Fragments at this depth or nearer are rejected: depth peeling.
+        Fragments that are stored as this depth or as a nearer one are rejected: depth peeling.
 
     Returns
     -------
     Raster
+        Depth is float64 for formats other than linear.
 
     Raises
     ------
@@ -84,31 +94,43 @@ def rasterize(
     Notes
     -----
     Depth is kept within the triangle's own, since the plane of one seen edge-on says nothing at a centre that only
-    its snapped shape covers.
+    its snapped shape covers. With `attributes_from_snapped`, corners behind the near plane keep their places: they have
+    none on the grid.
     """
     if not isinstance(camera, Camera):
         raise InputError(f"camera: got {type(camera).__name__}; allowed is a refdof.Camera")
+    if not isinstance(model, GpuModel):
+        raise InputError(f"model: got {type(model).__name__}; allowed is a GpuModel")
     vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", faces, (None, 3), end=len(vertices))
     largest = float(np.abs(vertices).max(initial=0.0)) or 1.0
     near = _NEAR * largest if near is None else as_number("near", near, above=0.0)
-    bits = as_integer("subpixel_bits", subpixel_bits, minimum=0, maximum=_FINEST_BITS)
+    far = as_number("far", far, above=0.0, finite=False)
+    exact = model.subpixel_bits == 0
+    bits = FINEST_BITS if exact else model.subpixel_bits
+    precision = precision or ("float64" if model == EXACT else "float32")
     kind: Any = np.dtype(as_choice("precision", precision, ("float64", "float32")))
+    if kind == np.float64 and model != EXACT:
+        raise InputError("precision: got 'float64'; allowed is 'float32' for a model other than EXACT")
+    key_kind = kind if depth_format == "linear" else np.dtype(np.float64)
     shape = (camera.height, camera.width)
     if previous_depth is None:
-        previous = np.full(shape, -np.inf, dtype=kind)
+        previous = np.full(shape, -np.inf, dtype=key_kind)
     else:
-        previous = as_float("previous_depth", previous_depth, shape, dtype=kind, finite=False)
+        previous = as_float("previous_depth", previous_depth, shape, dtype=key_kind, finite=False)
 
     # Work in a unit of length near the largest coordinate: a power of two changes no bit, and nothing underflows.
     exponent = int(math.frexp(largest)[1])
-    vertices, near = np.ldexp(vertices, -exponent), math.ldexp(near, -exponent)
-    previous = np.ldexp(previous, -exponent)
-    pieces = pieces_of(vertices, faces, camera, near, bits)
+    vertices, near, far = np.ldexp(vertices, -exponent), math.ldexp(near, -exponent), math.ldexp(far, -exponent)
+    code = depth_code(depth_format, near, far)
+    previous = keys_of(np.ldexp(previous, -exponent), code)
+    pieces = pieces_of(vertices, faces, camera, near, bits, exact)
     bins = bins_of(pieces, camera.width, camera.height)
     raster = Raster(
-        np.full(shape, np.inf, dtype=kind), np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 2), dtype=kind)
+        np.full(shape, np.inf, dtype=key_kind), np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 2), dtype=kind)
     )
+    if model.attributes_from_snapped:
+        vertices = snapped(vertices, camera, near, bits, exact)
     typed, scale = vertices.astype(kind), 1.0 / camera.pixels_per_tangent
 
     def draw_row(row: int) -> None:
@@ -116,15 +138,18 @@ def rasterize(
             tile = row * bins.columns + column
             chosen = bins.piece[bins.first[tile] : bins.first[tile + 1]]
             if len(chosen):
-                _draw_tile(typed, faces, pieces, chosen, row, column, bits, near, scale, previous, raster)
+                _draw_tile(typed, faces, pieces, chosen, row, column, bits, near, far, code, scale, previous, raster)
 
     run_tasks(draw_row, range(-(-camera.height // TILE_PX)))
-    return raster._replace(depth=np.ldexp(raster.depth, exponent))
+    return raster._replace(depth=np.ldexp(depths_of(raster.depth, code), exponent))
 
 
 @tile_kernel
-def _draw_tile(vertices, faces, pieces, chosen, row, column, bits, near, scale, previous, raster):
-    """Draw the `chosen` pieces, ascending, into the pixels of one tile. The arrays' type is the precision."""
+def _draw_tile(vertices, faces, pieces, chosen, row, column, bits, near, far, code, scale, previous, raster):
+    """Draw the `chosen` pieces, ascending, into the pixels of one tile. The arrays' type is the precision.
+
+    raster.depth and `previous` hold keys.
+    """
     height, width = raster.depth.shape
     plane, ray = np.empty(11, dtype=vertices.dtype), np.empty(2, dtype=vertices.dtype)
     for n in chosen:
@@ -142,7 +167,7 @@ def _draw_tile(vertices, faces, pieces, chosen, row, column, bits, near, scale, 
                         _plane(vertices, faces[pieces.face[n]], near, plane)
                         ready = True
                     ray[0], ray[1] = (x + 0.5 - 0.5 * width) * scale, (0.5 * height - y - 0.5) * scale
-                    _keep(plane, ray, pieces.face[n], x, y, previous, raster)
+                    _keep(plane, ray, pieces.face[n], x, y, far, code, previous, raster)
                 u, v, w = u + u_x, v + v_x, w + w_x
             u_row, v_row, w_row = u_row + u_y, v_row + v_y, w_row + w_y
 
@@ -187,12 +212,14 @@ def _plane(vertices, face, near, plane):
 
 
 @inline
-def _keep(plane, ray, face, x, y, previous, raster):
-    """Write a fragment if it is nearer than what the pixel holds and behind the previous layer."""
+def _keep(plane, ray, face, x, y, far, code, previous, raster):
+    """Write a fragment if its key is nearer than what the pixel holds and behind the previous layer."""
     dx, dy = ray[0], ray[1]
     slope = plane[0] * dx + plane[1] * dy - plane[2]
-    depth = 1.0 / min(max(slope, plane[9]), plane[10])
-    if depth < raster.depth[y, x] and depth > previous[y, x]:
-        raster.depth[y, x], raster.triangle[y, x] = depth, face
+    nearness = min(max(slope, plane[9]), plane[10])
+    depth = 1.0 / nearness
+    key = raster.depth.dtype.type(key_of(nearness, code))  # as stored, or peeling would meet a surface again
+    if key < raster.depth[y, x] and key > previous[y, x] and depth <= far:
+        raster.depth[y, x], raster.triangle[y, x] = key, face
         raster.barycentric[y, x, 0] = (plane[3] * dx + plane[4] * dy - plane[5]) * depth
         raster.barycentric[y, x, 1] = (plane[6] * dx + plane[7] * dy - plane[8]) * depth

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from gl import shader
+from refdof.raster.coverage import coverage_mipmaps
 from refdof.raster.gpu_model import LLVMPIPE
 from refdof.raster.mipmap import generate_mipmaps
 from refdof.raster.texture import bilinear, fetch, level_of_detail, trilinear
@@ -193,3 +194,24 @@ def test_generated_mipmaps_of_other_sizes(context, shape):
     # The driver's coordinates come out of a rasterised rectangle, with about four roundings (interpolation twice, times
     # the size, minus 1/2) of a number up to 101, 2^-18 each; neighbours differ by up to 1.
     assert worst <= 1.6e-5
+
+
+@pytest.mark.parametrize("bias", [-1.5, 0.25, 3.0])
+def test_bias_is_added_to_the_level(context, bias):
+    levels = [np.full((256 >> k, 256 >> k, 4), k, dtype=np.float32) for k in range(9)]  # a read gives its own level
+    read = (
+        "#version 330\nuniform sampler2D image; uniform float bias; out vec4 c;"
+        "void main() { c = texture(image, gl_FragCoord.xy * (7.3 / 256.0), bias); }"
+    )
+    work = shader.new_pass(context, read, (4, 4))
+    shader.draw(work, {"image": shader.chain_of(context, levels)}, bias=bias)
+    ours = np.clip(level_of_detail(7.3**2, LLVMPIPE, bias=bias), 0, 8)
+    assert np.abs(shader.read(work) - ours).max() <= 4e-6  # as in test_level_of_detail
+
+
+def test_a_chain_of_coverage(context):
+    random = np.random.default_rng(36)
+    color, covered = random.random((32, 64, 3), dtype=np.float32), random.random((32, 64)) < 0.4
+    levels = coverage_mipmaps(color, covered, LLVMPIPE)
+    for seen, ours in zip(shader.generated(context, levels[0]), levels, strict=True):
+        assert_same(seen, ours)

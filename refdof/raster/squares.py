@@ -1,0 +1,70 @@
+"""Squares of pixels and their extremes: the levels of an N-buffer, each from the one before.
+
+1. extremes of every pixel or block over all layers    `bottom_lowest`, `bottom_highest`
+2. squares of twice the side                           `double_lowest`, `double_highest`
+"""
+
+from refdof._jit import kernel, prange
+
+__all__ = ["bottom_highest", "bottom_lowest", "double_highest", "double_lowest"]
+
+
+@kernel
+def bottom_lowest(stack, block, infinity, out):
+    """Least value of every block over all layers: stack (N, H, W) -> out (ceil(H / block), ceil(W / block))."""
+    for y in prange(len(out)):
+        row = out[y]
+        row[:] = infinity
+        for layer in range(len(stack)):
+            for source in range(y * block, min((y + 1) * block, stack.shape[1])):
+                for dx in range(min(block, stack.shape[2])):
+                    taps = stack[layer, source, dx::block]
+                    for x in range(len(taps)):
+                        value = taps[x] if abs(taps[x]) < infinity else infinity
+                        row[x] = value if value < row[x] else row[x]
+
+
+@kernel
+def bottom_highest(stack, block, infinity, out):
+    """Greatest value of every block over all layers, as `bottom_lowest`."""
+    for y in prange(len(out)):
+        row = out[y]
+        row[:] = -infinity
+        for layer in range(len(stack)):
+            for source in range(y * block, min((y + 1) * block, stack.shape[1])):
+                for dx in range(min(block, stack.shape[2])):
+                    taps = stack[layer, source, dx::block]
+                    for x in range(len(taps)):
+                        value = taps[x] if abs(taps[x]) < infinity else -infinity
+                        row[x] = value if value > row[x] else row[x]
+
+
+@kernel
+def double_lowest(level, side, out):
+    """Squares of 2 `side` from squares of `side`: (H, W) -> (H, W).
+
+    A square that reaches the border has no right or lower neighbour that could add to it.
+    """
+    height, width = level.shape
+    for y in prange(height):
+        upper, lower, row = level[y], level[min(y + side, height - 1)], out[y]
+        for x in range(width):
+            row[x] = upper[x] if upper[x] < lower[x] else lower[x]
+        upper_right, lower_right = upper[side:], lower[side:]
+        for x in range(len(upper_right)):
+            right = upper_right[x] if upper_right[x] < lower_right[x] else lower_right[x]
+            row[x] = right if right < row[x] else row[x]
+
+
+@kernel
+def double_highest(level, side, out):
+    """As `double_lowest`, for the greatest values."""
+    height, width = level.shape
+    for y in prange(height):
+        upper, lower, row = level[y], level[min(y + side, height - 1)], out[y]
+        for x in range(width):
+            row[x] = upper[x] if upper[x] > lower[x] else lower[x]
+        upper_right, lower_right = upper[side:], lower[side:]
+        for x in range(len(upper_right)):
+            right = upper_right[x] if upper_right[x] > lower_right[x] else lower_right[x]
+            row[x] = right if right > row[x] else row[x]
