@@ -2,7 +2,8 @@
 
 The longest half-axis of every shape is the lens radius, so no point leaves the unit disc (save, for an image, the outer
 corners of texels on its rim) and circles of confusion bound every blur. A picture's brightness is an average over the
-opening: it does not change with the shape.
+opening: it does not change with the shape. A Gaussian opening lets less light through towards its rim; its points are
+denser in the middle, so that each has the same weight.
 
 References
 ----------
@@ -17,7 +18,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_float, as_integer, as_number
 from refdof._jit import inline, kernel, prange
 
-__all__ = ["Aperture", "concentric_disc"]
+__all__ = ["Aperture", "concentric_disc", "gaussian_stretch"]
 
 _ARC_SEGMENTS = 64  # per curved blade; the area error of the inscribed chords is below 1e-4
 
@@ -27,7 +28,7 @@ _C = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(1, 9))
 
 @dataclass(frozen=True, eq=False)
 class Aperture:
-    """An opening inside the unit disc. Make one with `disc`, `polygon` or `image`.
+    """An opening inside the unit disc. Make one with `disc`, `gaussian`, `polygon` or `image`.
 
     Attributes
     ----------
@@ -38,16 +39,34 @@ class Aperture:
         Transmission over the square [-1, 1]^2, row 0 at the top; empty unless made from an image.
     scale : (x, y)
         Anamorphic squeeze, each in (0, 1].
+    deviation : float
+        Standard deviation of a Gaussian opening [lens radii]; inf: transmission is even.
     """
 
     boundary: Float
     weights: Float
     scale: tuple[float, float] = (1.0, 1.0)
+    deviation: float = math.inf
 
     @classmethod
     def disc(cls, ratio: float = 1.0) -> "Aperture":
         """A full disc; `ratio` is width / height of the opening (anamorphic lens)."""
         return cls(np.zeros((0, 2)), np.zeros((0, 0)), _squeeze(ratio))
+
+    @classmethod
+    def gaussian(cls, deviation: float = 0.5, ratio: float = 1.0) -> "Aperture":
+        """A disc whose transmission is exp(-r^2 / (2 deviation^2)), cut at the lens radius (an apodised lens).
+
+        Parameters
+        ----------
+        deviation : float
+            [lens radii], 0.01 .. 100. 0.5 is the spread of an even disc: both have the variance 1/4 along each axis
+            before the Gaussian is cut.
+        ratio : float
+            Width / height of the opening.
+        """
+        deviation = as_number("deviation", deviation, minimum=0.01, maximum=100.0)
+        return cls(np.zeros((0, 2)), np.zeros((0, 0)), _squeeze(ratio), deviation)
 
     @classmethod
     def polygon(cls, blades: int, rotation: float = 0.0, curvature: float = 0.0, ratio: float = 1.0) -> "Aperture":
@@ -96,7 +115,7 @@ class Aperture:
         return self.weights.size > 0
 
     def from_square(self, square: Float) -> Float:
-        """Map points of the unit square (N, 2) to the opening (N, 2), keeping areas in proportion.
+        """Map points of the unit square (N, 2) to the opening (N, 2), keeping areas in proportion to the light.
 
         For an image the points are spread over the full disc: weigh them with `transmission`.
         """
@@ -109,6 +128,8 @@ class Aperture:
             points = r * ((1.0 - along) * self.boundary[k] + along * following)
         else:
             points = _concentric_discs(square)
+            if math.isfinite(self.deviation):
+                points *= _gaussian_stretches(points, self.deviation)[:, None]
         return points * np.asarray(self.scale)
 
     def transmission(self, points: Float) -> Float:
@@ -130,6 +151,30 @@ def _concentric_discs(square):
     for k in prange(len(square)):
         points[k, 0], points[k, 1] = concentric_disc(square[k, 0], square[k, 1])
     return points
+
+
+@kernel
+def _gaussian_stretches(points, deviation):
+    """`gaussian_stretch` of points (N, 2)."""
+    out = np.empty(len(points))
+    for k in prange(len(points)):
+        out[k] = gaussian_stretch(points[k, 0], points[k, 1], deviation)
+    return out
+
+
+@inline
+def gaussian_stretch(x, y, deviation):
+    """Factor that takes an area-uniform point of the unit disc to one of a Gaussian cut at radius 1.
+
+    The squared radius q of a uniform point is uniform on 0 .. 1, so it is the light inside the radius r looked for:
+    q = (1 - exp(-r^2 / (2 s^2))) / (1 - exp(-1 / (2 s^2))).
+    """
+    double = 2.0 * deviation * deviation
+    q = min(x * x + y * y, 1.0)
+    inside = -np.expm1(-1.0 / double)
+    if q * inside < 1e-12:  # the middle, where the density is even: r^2 = 2 s^2 q inside
+        return np.sqrt(double * inside)
+    return np.sqrt(-double * np.log1p(-q * inside) / q)
 
 
 @inline

@@ -1,6 +1,7 @@
-"""The lens opening for kernels: an area-uniform lens point from a point of the unit square.
+"""The lens opening for kernels: a lens point from a point of the unit square, keeping areas in proportion to the light.
 
-An image aperture is sampled by its transmission (row, then texel of the row), so every point has the same weight.
+An image aperture is sampled by its transmission (row, then texel of the row), and a Gaussian one by the
+light inside a radius, so every point has the same weight.
 """
 
 from typing import NamedTuple
@@ -9,7 +10,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline
-from refdof.aperture import Aperture, concentric_disc
+from refdof.aperture import Aperture, concentric_disc, gaussian_stretch
 
 __all__ = ["Opening", "borrow_opening", "is_plain_disc", "lens_point", "opening_of"]
 
@@ -21,6 +22,7 @@ class Opening(NamedTuple):
     row_sums: Float
     texel_sums: Float
     scale: Float
+    deviation: float
 
 
 def opening_of(aperture: Aperture) -> Opening:
@@ -32,20 +34,22 @@ def opening_of(aperture: Aperture) -> Opening:
         row_sums /= row_sums[-1]
         texel_sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, axis=1)], axis=1)
         texel_sums /= np.maximum(texel_sums[:, -1:], np.finfo(float).tiny)
-    return Opening(np.ascontiguousarray(aperture.boundary), row_sums, texel_sums, np.array(aperture.scale))
+    return Opening(
+        np.ascontiguousarray(aperture.boundary), row_sums, texel_sums, np.array(aperture.scale), aperture.deviation
+    )
 
 
 @inline
 def borrow_opening(o):
     """`Opening` whose arrays are borrowed, for a tile kernel's inner loops."""
-    return Opening(borrow(o.boundary), borrow(o.row_sums), borrow(o.texel_sums), borrow(o.scale))
+    return Opening(borrow(o.boundary), borrow(o.row_sums), borrow(o.texel_sums), borrow(o.scale), o.deviation)
 
 
 @inline
 def is_plain_disc(opening):
     """Whether `concentric_disc` says it all: a loop over it alone is compiled to vector instructions."""
     round_ = opening.scale[0] == 1.0 and opening.scale[1] == 1.0
-    return round_ and opening.boundary.shape[0] == 0 and opening.row_sums.shape[0] == 0
+    return round_ and opening.deviation == np.inf and opening.boundary.shape[0] == 0 and opening.row_sums.shape[0] == 0
 
 
 @inline
@@ -67,6 +71,9 @@ def lens_point(opening, u, v):
         y = 1.0 - (row + down) / height * 2.0
     else:
         x, y = concentric_disc(u, v)
+        if opening.deviation < np.inf:
+            stretch = gaussian_stretch(x, y, opening.deviation)
+            x, y = x * stretch, y * stretch
     return x * opening.scale[0], y * opening.scale[1]
 
 

@@ -8,8 +8,9 @@ Stages: "coc" (H, W) px, "code" (H, W), "small" (h, w, 4): colour and code.
 
 Departures from the paper
 -------------------------
-- Written after the listing of [1] as several engines carry it; taps and constants agree among them. [2] uses the
-  twelve taps.
+This is a **reconstruction**: the slides of [1] were not at hand, but its listing, as several engines carry it; taps and
+constants agree among them. [2] uses the twelve taps.
+
 - Planes of full blur are left to the scene's author: here they are the nearest and the farthest surface in the picture,
   and the background is at full blur. The focal plane is where the line through the pixels of least and greatest circle
   of confusion, over inverse depth, crosses 0.
@@ -40,8 +41,8 @@ from refdof.view import View
 __all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
 
 CITATION = "scheuermann2004"
-SOURCE = "Scheuermann 2004"
-RECONSTRUCTION = False
+SOURCE = "after Scheuermann 2004"
+RECONSTRUCTION = True
 INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "focus", "convexity")
 

@@ -8,6 +8,8 @@ Stages: "coc" (H, W) px, "shares" (H, W), what each pixel's shares add up to.
 
 Departures from the paper
 -------------------------
+This is a **reconstruction**: the text of [1] was not at hand, only what [2] and others say of it.
+
 - The spread is even over the disc; the paper also takes the diffraction pattern of Lommel.
 - The paper has no order in depth, and neither has the default. Later descriptions [2] blend discs from far to near,
   each with its share as opacity, and normalise what comes out: `order`.
@@ -36,8 +38,8 @@ from refdof.view import View
 __all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
 
 CITATION = "potmesil1981"
-SOURCE = "Potmesil, Chakravarty 1981"
-RECONSTRUCTION = False
+SOURCE = "after Potmesil, Chakravarty 1981"
+RECONSTRUCTION = True
 INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
 

@@ -1,0 +1,232 @@
+"""Cascaded: peeled surfaces matted into depth layers, which are blurred and composed step by step towards focus.
+
+1. Peel the scene into buffers of colour and depth                           `refdof.view`
+2. Find the depth range, and from it layers and their anchors                `layering_of`, `filter_layers`
+3. Decompose the buffers into layers by their depth                          `refdof.raster.matting`, `source_of`
+4. From the back to the focus: blend the next layer over the buffer, blur    `cascade`
+5. From the front to the focus: blend the buffer over the next layer, blur   `cascade`
+6. Front over (layer in focus over back), divided by alpha                   `blend_over`, `normalized`
+
+Layers are made where they are blended, so memory does not grow with their number.
+
+Stages: "bounds" (K + 1,) scene units, "deviation" (K,) px, "coordinate" (M, H, W), "layers" (K, H, W, 4), "back" and
+"front" (H, W, 4) before they are composed (if cascaded), "composite" (H, W, 4) before it is divided; premultiplied.
+
+Departures from the paper
+-------------------------
+`docs/cascaded_errata.png`, made by `benchmarks/cascaded_errata.py`, shows what the first four do.
+
+- Eq. (4) is printed with its falling ramp upside down: it jumps from 1 to 0 at z_k and climbs to 1 at z_(k+1). Figure
+  4(a) and the text want (z_(k+1) - z) / (z_(k+1) - z_k). `ramp="as_printed"` shows what the misprint does.
+- z_(-2) = z_(-1) = z_0 = -inf leaves layer 0 an empty core and 0 / 0 on its ramp, though Eq. (9) gives z_0 a finite
+  value: it is finite here, and what lies in front of it belongs to layer 0. At either end the ramps of the neighbours
+  would still be infinitely long; they end at the anchor that one more layer would have (`boundary="extrapolate"`), or
+  there are none ("hard"). "as_printed" is hard without layer 0; weights that are not a number count as 0.
+- Units: d is a diameter on the sensor and d_pix = 4 sigma counts pixels; circles of confusion here are radii in pixels,
+  so a layer of standard deviation sigma stands for the radius 2 sigma.
+- The size of the sensor, which d and d_pix differ by, is not given. Here the field of view is the camera's, and neither
+  sensor nor focal length is needed. With 24 mm, f = 100 mm, N = 1.4 and 1024 rows the paper's shots have up to 105
+  (focus 3) and 16.6 (focus 18.5) pixels of diameter behind focus.
+- K: the foremost layer's core, extended to the anchor that one more layer would have, holds the nearest surface, and
+  the same behind. The paper wants z_0 in front of it, which is one more layer on either side. No blur is wider than the
+  picture's longer side.
+- A background is a surface at infinity in the first buffer that has nothing else. Where all M buffers are taken, what
+  lies behind them is missing, and the division by alpha fills in: sharp-edged patches where two wires of `fence` cross,
+  whose four faces take all four buffers. `buffers="all"` has none.
+- Taps are sampled up to 3 standard deviations and scaled to a sum of 1; outside the picture is transparent.
+- Steps between layers that hold nothing are joined: one blur with their variances added.
+- Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
+- Surfaces are exact layers: coplanar duplicates, which depth peeling drops, are kept.
+- Box and pyramid filters and k-means are only named in the paper: see `refdof.raster.quick_blurs`, `cluster_layers`.
+
+What lies in the focal plane has weight in the layers next to it, too: with anything in front of it, a copy blurred by
+one step lies over it. That is the paper's.
+
+References
+----------
+.. [1] Schedl & Wimmer (2012), A Layered Depth-of-Field Method for Solving Partial Occlusion, Journal of WSCG 20(3).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_choice, as_float, as_integer, as_number
+from refdof.camera import Camera
+from refdof.lens import ThinLens
+from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
+from refdof.methods._cascaded_layers import Layering, cluster_layers, filter_layers, without_foremost
+from refdof.raster.gaussian import gaussian_blur
+from refdof.raster.matting import RAMPS
+from refdof.raster.nbuffer import n_buffer
+from refdof.raster.quick_blurs import box_blur, pyramid_blur
+from refdof.trace import Trace
+from refdof.view import View
+
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur_buffers",
+    "layering_of",
+    "render",
+]
+
+CITATION = "schedl2012"
+SOURCE = "Schedl, Wimmer 2012"
+RECONSTRUCTION = False
+INPUTS = ("peeled layers",)
+PROMISES = ("constant", "pinhole", "convexity", "symmetry", "occlusion")
+
+_FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
+_RANGE_BLOCK_PX = 16
+
+
+@dataclass(frozen=True)
+class Params:
+    """What the paper leaves open, and its alternatives.
+
+    Parameters
+    ----------
+    buffers : int or "all"
+        M, peeled surfaces per pixel; "all": as many as there are.
+    cascade : bool
+        Blur between compositions; False: blur every layer by itself, Eq. (11).
+    filter : "gaussian", "box" or "pyramid"
+        Cheaper filters have the same standard deviation.
+    placement : "filter" or "kmeans"
+        Layers where the filter sizes put them, Eq. (9), or where the surfaces are (at most as many).
+    ramp : "corrected", "as_printed" or "none"
+        Matting by Eq. (4) as meant, as printed, or not at all.
+    boundary : "extrapolate", "hard" or "as_printed"
+        What the matting of the first and last layers does.
+    normalize : bool
+        Divide by alpha.
+    sigma_step : float
+        Standard deviation of the first blur [px], >= 0.5; 1 in Eq. (14). Smaller means more layers.
+    """
+
+    buffers: int | str = 4
+    cascade: bool = True
+    filter: str = "gaussian"
+    placement: str = "filter"
+    ramp: str = "corrected"
+    boundary: str = "extrapolate"
+    normalize: bool = True
+    sigma_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.buffers, str) and self.buffers != "all":
+            raise InputError(f"buffers: got {self.buffers!r}; allowed are a whole number >= 1 and all")
+        if self.buffers != "all":
+            object.__setattr__(self, "buffers", as_integer("buffers", self.buffers, minimum=1))
+        as_choice("filter", self.filter, _FILTERS)
+        as_choice("placement", self.placement, ("filter", "kmeans"))
+        as_choice("ramp", self.ramp, RAMPS)
+        as_choice("boundary", self.boundary, ("extrapolate", "hard", "as_printed"))
+        for name in ("cascade", "normalize"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"{name}: got {getattr(self, name)!r}; allowed are true and false")
+        object.__setattr__(self, "sigma_step", as_number("sigma_step", self.sigma_step, minimum=0.5))
+
+
+def render(view: View, params: Params, trace: Trace) -> Float:
+    """Render `view`: (H, W, 3) float32 linear RGB."""
+    layers = view.layers(None if isinstance(params.buffers, str) else params.buffers)
+    color, depth, empty = layers.color, layers.depth, layers.triangle < 0
+    if params.buffers == "all" and not empty[-1].all():  # room for the background of the deepest pixel
+        color, depth, empty = (
+            np.concatenate([part, np.full((1, *part.shape[1:]), value, part.dtype)])
+            for part, value in ((color, 0), (depth, np.inf), (empty, True))
+        )
+    depth = np.where(empty, np.inf, depth)
+    depth[1:][empty[:-1]] = np.nan  # the background is there once
+    color = np.where(empty[..., None], np.asarray(view.scene.background, dtype=np.float32), color)
+    return _blend(color, depth, view.camera, view.lens, params, trace)
+
+
+def blur_buffers(
+    color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params = Params(), trace: Trace | None = None
+) -> Float:
+    """Blur peeled buffers of your own.
+
+    Parameters
+    ----------
+    color : (M, H, W, 3) float32 or float64
+        Linear RGB, front to back; its type is the type of all arithmetic.
+    depth : (M, H, W)
+        Planar depth [scene units], > 0; inf is background, NaN is no surface.
+    camera, lens
+        Their picture size must be that of the buffers.
+    params : Params
+        `buffers` is not used.
+
+    Returns
+    -------
+    (H, W, 3) of the type of `color`.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, a colour is not finite, a depth is not above 0, or there is no surface at all.
+    """
+    color = as_float("color", color, (None, camera.height, camera.width, 3))
+    if len(color) == 0:
+        raise InputError("color: got no buffers; allowed is at least one")
+    absent = np.isnan(np.asarray(depth, dtype=np.float64))
+    filled = as_float("depth", np.where(absent, np.inf, depth), color.shape[:3], dtype=np.float64, finite=False)
+    if not (filled > 0.0).all():
+        raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
+    if absent.all():
+        raise InputError("depth: no surface anywhere; allowed is at least one that is not NaN")
+    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace or Trace())
+
+
+def layering_of(depth: Float, camera: Camera, lens: ThinLens, params: Params = Params()) -> Layering:
+    """The layers that surfaces at `depth` (M, H, W), NaN for none, call for."""
+    near, far = _depth_range(depth)
+    scale = camera.pixels_per_tangent * lens.radius
+    nearest, farthest = (float(c) for c in lens.coc_px(np.array([near, far]), camera))
+    layering = filter_layers(nearest, farthest, scale, lens.focus_distance, params.sigma_step, max(camera.size))
+    if params.placement == "kmeans":
+        coc = lens.coc_px(depth[~np.isnan(depth)], camera)
+        coc = np.clip(coc, -2.0 * max(camera.size), 2.0 * max(camera.size))
+        layering = cluster_layers(coc, len(layering.deviation), scale, lens.focus_distance, params.sigma_step)
+    return without_foremost(layering) if params.boundary == "as_printed" else layering
+
+
+def _depth_range(depth: Float) -> tuple[float, float]:
+    """The nearest and the farthest surface; a background is at inf."""
+    buffer = n_buffer(np.where(np.isnan(depth), np.inf, depth), block=_RANGE_BLOCK_PX)
+    near, far = float(buffer.lowest[-1, 0, 0]), float(buffer.highest[-1, 0, 0])
+    return (near, np.inf if np.isinf(depth).any() else far)
+
+
+def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, trace: Trace) -> Float:
+    """`blur_buffers` behind the gate."""
+    used = 1 + int(np.flatnonzero(~np.isnan(depth).all(axis=(1, 2)))[-1])
+    layering = layering_of(depth, camera, lens, params)
+    boundary = "extrapolate" if params.boundary == "extrapolate" else "hard"
+    source = source_of(color[:used], depth[:used], layering, params.ramp, boundary)
+    count, focus, blur = len(layering.deviation), layering.focus, _FILTERS[params.filter]
+    trace.record("bounds", lambda: layering.bounds)
+    trace.record("deviation", lambda: layering.deviation)
+    trace.record("coordinate", lambda: source.coordinate)
+    trace.record("layers", lambda: np.stack([layer_alone(source, k) for k in range(count)]))
+
+    back, front, scratch = (np.zeros((4, *depth.shape[1:]), dtype=color.dtype) for _ in range(3))
+    if params.cascade:
+        cascade(source, range(count - 1, focus, -1), layering, True, blur, back, scratch)
+        cascade(source, range(focus), layering, False, blur, front, scratch)
+        trace.record("back", lambda: np.moveaxis(back, 0, -1))
+        trace.record("front", lambda: np.moveaxis(front, 0, -1))
+        if focus >= 0:
+            source.blend(focus, True, back)
+        blend_over(front, back)  # Eq. (12)
+    else:
+        blur_apart(source, layering, blur, back, front, scratch)
+    trace.record("composite", lambda: np.moveaxis(back, 0, -1))
+    return normalized(back, params.normalize)
