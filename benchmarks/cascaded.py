@@ -103,7 +103,7 @@ def totals(view, rounds, samples):
     warm_up("accumulation", {})
     rows[f"{samples} views"] = {"peel": 0.0, "blur": reference_of_view(view, samples=samples).seconds}
     if "lensblur" in refdof.METHODS:
-        warm_up("lensblur", {"rays": samples})
+        warm_up("lensblur", {"samples": samples})
         with view.booking() as book:
             blur = render_view("lensblur", view, samples=samples).seconds["blur"]
         own = {name: s for name, s in book.used.items() if name not in ("surfaces", "tracer", "triangles")}

@@ -85,7 +85,7 @@ def test_bad_input_from_a_shell():
     [
         (["compare", "fenc"], "scene: got 'fenc'; did you mean 'fence'"),
         (["compare", "nothing.obj"], "scene: got"),
-        (["compare", "fence", "--methods", "multivew"], "method: got 'multivew'; allowed are"),
+        (["compare", "fence", "--methods", "multivew"], "method: got 'multivew'; did you mean 'multiview'"),
         (["compare", "fence", "--methods", "singlepas"], "did you mean 'singlepass'"),
         (["compare", "fence", "--size", "640"], "size: got '640'; allowed is WIDTHxHEIGHT"),
         (["compare", "fence", "--size", "0x10"], "size: got"),
