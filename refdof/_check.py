@@ -15,6 +15,7 @@ __all__ = [
     "Float",
     "Index",
     "InputError",
+    "as_bool",
     "as_choice",
     "as_color",
     "as_float",
@@ -23,6 +24,7 @@ __all__ = [
     "as_number",
     "as_pair",
     "as_vector",
+    "shape_of",
 ]
 
 Float: TypeAlias = npt.NDArray[np.floating[Any]]
@@ -124,6 +126,13 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
     return number
 
 
+def as_bool(name: str, value: Any) -> bool:
+    """Return `value` if it is a truth value; words and numbers are not taken."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name}: got {value!r}; allowed are True and False")
+    return bool(value)
+
+
 def as_vector(name: str, value: Any) -> tuple[float, float, float]:
     """Return `value` as three finite floats."""
     x, y, z = as_float(name, value, (3,), dtype=np.float64).tolist()
@@ -156,6 +165,14 @@ def as_choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     near = difflib.get_close_matches(str(value), choices, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise InputError(f"{name}: got {value!r}; {hint}allowed are {', '.join(choices)}")
+
+
+def shape_of(name: str, value: Any) -> tuple[int, ...]:
+    """The shape of numbers in any nesting."""
+    try:
+        return np.shape(value)
+    except ValueError:  # rows of different lengths
+        raise InputError(f"{name}: expected numbers, got {type(value).__name__} of unequal rows") from None
 
 
 def _check_shape(name: str, shape: tuple[int, ...], wanted: Sequence[int | None]) -> None:

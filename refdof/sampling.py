@@ -33,9 +33,10 @@ __all__ = ["PATTERNS", "lens_samples"]
 
 _MAX_COUNT = 1 << 20
 _RELATIVE_RADIUS = 0.7  # [4]: of the largest distance that `count` points on the disc can keep
+_RIM = 2.0  # distances by which darts may miss the lens
 _LEAST_DARTS = 64  # per volley; otherwise as many as points are wanted
 _IDLE_VOLLEYS = 100  # that may add nothing before the distance shrinks
-_SHRINK = 0.97
+_SHRINK = 0.999
 
 
 def lens_samples(
@@ -94,28 +95,34 @@ def _vogel(count: int, rng: np.random.Generator) -> Float:
 
 
 def _poisson(count: int, rng: np.random.Generator) -> Float:
-    """Dart throwing on the disc; where it gets stuck the distance shrinks, so that it always ends."""
+    """Dart throwing; where it gets stuck the distance shrinks, so that it always ends.
+
+    Darts fall on a wider disc, and those on the lens are counted: darts on the lens alone would crowd at its rim, where
+    they have fewer neighbours.
+    """
     disc = Aperture.disc()
     radius = _RELATIVE_RADIUS * math.sqrt(2.0 * math.pi / (math.sqrt(3.0) * count))  # [4], Eq. (5)
-    square, points = np.empty((0, 2)), np.empty((0, 2))
+    wider = 1.0 + _RIM * radius
+    points = np.empty((0, 2))
     idle = 0
-    while len(points) < count:
-        darts = rng.random((max(count, _LEAST_DARTS), 2))
-        landed = disc.from_square(darts)
+    while True:
+        inside = points[np.hypot(points[:, 0], points[:, 1]) <= 1.0]
+        if len(inside) >= count:
+            break
+        landed = wider * disc.from_square(rng.random((max(count, _LEAST_DARTS), 2)))
         if len(points):  # most darts fall too near to a point of an earlier volley
-            free = cKDTree(points).query(landed)[0] >= radius
-            darts, landed = darts[free], landed[free]
+            landed = landed[cKDTree(points).query(landed)[0] >= radius]
         kept: list[int] = []
         for i, point in enumerate(landed):  # of one volley, the earlier dart wins
             offset = landed[kept] - point
             if not kept or (offset * offset).sum(axis=1).min() >= radius * radius:
                 kept.append(i)
-        square = np.concatenate([square, darts[kept]])
         points = np.concatenate([points, landed[kept]])
         idle = 0 if kept else idle + 1
-        if idle == _IDLE_VOLLEYS:
-            radius, idle = radius * _SHRINK, 0
-    return square[:count]
+        if idle == _IDLE_VOLLEYS:  # full, and too few on the lens: start again
+            points, idle, radius = points[:0], 0, radius * _SHRINK
+    x, y = inside[:count].T
+    return _square_from_polar(np.hypot(x, y), np.arctan2(y, x) / (2.0 * np.pi) % 1.0)
 
 
 def _jittered(count: int, rng: np.random.Generator) -> Float:

@@ -1,8 +1,9 @@
 """Shot: camera and lens as plain numbers for kernels, in the unit of length of `Surfaces`."""
 
-import math
 import sys
 from typing import NamedTuple
+
+import numpy as np
 
 from refdof.camera import Camera
 from refdof.lens import ThinLens
@@ -26,6 +27,12 @@ def shot_of(camera: Camera, lens: ThinLens, exponent: int) -> Shot:
         camera.width,
         camera.height,
         camera.pixels_per_tangent,
-        math.ldexp(lens.radius, -exponent),
-        1.0 / max(math.ldexp(lens.focus_distance, -exponent), sys.float_info.min),
+        _scaled(lens.radius, -exponent),
+        1.0 / max(_scaled(lens.focus_distance, -exponent), sys.float_info.min),
     )
+
+
+def _scaled(length: float, exponent: int) -> float:
+    """length 2^exponent; inf beyond the largest number."""
+    with np.errstate(over="ignore"):
+        return float(np.ldexp(length, exponent))

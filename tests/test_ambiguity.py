@@ -6,7 +6,7 @@ import pytest
 import shapely
 import trimesh
 
-from refdof import SCENES, Camera, View, load_scene
+from refdof import SCENES, Camera, InputError, View, load_scene
 from refdof.raster.ambiguity import ambiguous_pixels, near_edges, tied_depths
 from refdof.raster.depth_peeling import peel_raster
 from refdof.raster.gpu_model import D3D11, EXACT, LLVMPIPE
@@ -112,3 +112,16 @@ def test_edges_twin():
 def test_ties():
     depth = np.array([[1.0, 1.0, np.inf], [1.0, 2.0, np.inf], [3.0, 2.0 + 1e-12, np.inf]])[:, None]
     assert tied_depths(depth).tolist() == [[True, True, False]]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"camera": None}, "camera, model: got NoneType"), ({"model": "exact"}, "camera, model: got Camera and str")],
+)
+def test_bad_input(change, message):
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=60.0, size=(4, 3))
+    arguments = {"vertices": np.zeros((3, 3)), "faces": [[0, 1, 2]], "camera": camera, "depth": np.ones((1, 3, 4))}
+    with pytest.raises(InputError, match=message):
+        ambiguous_pixels(**(arguments | change))
+    with pytest.raises(InputError, match="reach_px: got nan"):
+        near_edges(np.zeros((3, 3)), [[0, 1, 2]], camera, np.nan)

@@ -147,3 +147,15 @@ def test_messages_are_one_line():
         with pytest.raises(InputError) as caught:
             call()
         assert not re.search(r"[\r\n]", str(caught.value))
+
+
+@pytest.mark.parametrize("value", ["false", 0, 1, None])
+def test_truth_values_are_not_guessed(value):
+    with pytest.raises(InputError, match=r"culling: got .*; allowed are True and False"):
+        _check.as_bool("culling", value)
+    assert _check.as_bool("culling", np.bool_(True)) is True
+
+
+def test_rows_of_unequal_length_have_no_shape():
+    with pytest.raises(InputError, match="depth: expected numbers, got list of unequal rows"):
+        _check.shape_of("depth", [[1, 2], [3]])

@@ -1,5 +1,7 @@
 """Pictures at the numerical extremes: huge and tiny lenses, odd focus, far walls, nothing to see, tiny pictures."""
 
+import math
+
 import numpy as np
 import pytest
 import stage
@@ -105,3 +107,13 @@ def test_almost_in_focus(step):
         # The circle is below 1e-5 px and every pixel centre a quarter of a pixel or more from the edge: no blur.
         left = stage.tangents(16, 2, p)[0][..., None] < 0.25 / p
         np.testing.assert_allclose(image, np.where(left, np.float32(CARD), np.float32(SKY)), rtol=1e-6)
+
+
+def test_focus_at_the_largest_numbers():
+    card = stage.rectangle(-0.1, 0.1, -0.1, 0.1, 0.2)
+    shot = stage.camera(4, 4, 4.0)
+    images = [
+        refdof.reference(stage.scene_of([card], shot), lens=ThinLens(1e-3, focus), samples=16).image
+        for focus in (1.5e308, math.inf)
+    ]
+    np.testing.assert_array_equal(*images)  # 1 / focus is below every digit of the rest

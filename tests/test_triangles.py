@@ -252,13 +252,24 @@ def test_only_the_layers_that_a_scene_has_are_made():
     assert peel_raster(vertices, faces, CAMERA, umbra=0.501).depth[1].min() == 3.0
 
 
+def test_planes_as_far_as_numbers_go():
+    vertices = placed([(0, 0), (40, 0), (0, 40)], 2.0) * 0.1
+    assert (rasterize(vertices, ALONE, CAMERA, far=1.7e308).triangle == 0).all()
+    assert (rasterize(vertices, ALONE, CAMERA, near=1e308, far=np.inf).triangle == -1).all()
+
+
+def test_peeling_brings_its_own_previous_depth():
+    with pytest.raises(InputError, match="previous_depth: got a depth"):
+        peel_raster(np.zeros((3, 3)), ALONE, CAMERA, previous_depth=np.zeros((9, 12)))
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"near": 0.0}, "near: got 0"),
         ({"model": "llvmpipe"}, "model: got str"),
         ({"model": LLVMPIPE, "precision": "float64"}, "precision: got 'float64'"),
-        ({"near": 2.0, "far": 1.0}, "far: got"),
+        ({"near": 2.0, "far": 1.0}, "far: got 1; allowed are values beyond near, 2"),
         ({"depth_format": "unorm32"}, "depth_format: got 'unorm32'; did you mean 'unorm"),
         ({"previous_depth": np.full((9, 12), np.nan)}, "previous_depth: has 108 NaN"),
         ({"precision": "float16"}, "precision: got 'float16'"),

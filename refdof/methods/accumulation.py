@@ -21,7 +21,7 @@ References
 
 from dataclasses import dataclass
 
-from refdof._check import Float, as_integer
+from refdof._check import Float, as_bool, as_integer
 from refdof.reference import estimate
 from refdof.trace import Trace
 from refdof.view import View
@@ -54,6 +54,7 @@ class Params:
     seed: int = 1  # not the reference's default: the same points would share its error
 
     def __post_init__(self) -> None:
+        as_bool("shared_pattern", self.shared_pattern)
         object.__setattr__(self, "samples", as_integer("samples", self.samples, minimum=1, maximum=2**20))
         object.__setattr__(self, "seed", as_integer("seed", self.seed, minimum=0, maximum=2**32 - 1))
 

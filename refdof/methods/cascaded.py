@@ -51,7 +51,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float, as_integer, as_number
+from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_integer, as_number
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
@@ -128,8 +128,7 @@ class Params:
         as_choice("ramp", self.ramp, RAMPS)
         as_choice("boundary", self.boundary, ("extrapolate", "hard", "as_printed"))
         for name in ("cascade", "normalize"):
-            if not isinstance(getattr(self, name), bool):
-                raise InputError(f"{name}: got {getattr(self, name)!r}; allowed are true and false")
+            as_bool(name, getattr(self, name))
         object.__setattr__(self, "sigma_step", as_number("sigma_step", self.sigma_step, minimum=0.5))
 
 

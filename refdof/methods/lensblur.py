@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, as_choice, as_integer
+from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.lens_pattern import JITTERS, lens_pattern
 from refdof.raster.attributes import attributes_of
 from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
@@ -117,7 +117,7 @@ class Params:
             ("filter", FILTERS),
         ):
             as_choice(name, getattr(self, name), allowed)
-        object.__setattr__(self, "deferred", bool(as_integer("deferred", int(self.deferred), minimum=0, maximum=1)))
+        as_bool("deferred", self.deferred)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:

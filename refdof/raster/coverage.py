@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float
+from refdof._check import Float, InputError, as_float, shape_of
 from refdof.raster.gpu_model import EXACT, GpuModel
 from refdof.raster.mipmap import generate_mipmaps
 
@@ -41,10 +41,11 @@ def coverage_mipmaps(color: Any, covered: Any, model: GpuModel = EXACT) -> list[
     InputError
         If a shape or type is not as stated.
     """
+    shape_of("covered", covered)
     covered = np.asarray(covered)
     if covered.dtype != np.bool_ or covered.ndim != 2:
         raise InputError(f"covered: got {covered.dtype} of shape {covered.shape}; allowed is bool of shape (H, W)")
-    if np.shape(color)[:2] != covered.shape or np.ndim(color) != 3:
+    if shape_of("color", color)[:2] != covered.shape or np.ndim(color) != 3:
         raise InputError(
             f"color: got shape {np.shape(color)}; allowed is ({covered.shape[0]}, {covered.shape[1]}, any)"
         )
@@ -64,7 +65,7 @@ def average_color(texels: Any) -> Float:
     InputError
         If a value is not finite, or there is no colour.
     """
-    texels = as_float("texels", texels, np.shape(texels))
+    texels = as_float("texels", texels, shape_of("texels", texels))
     if texels.ndim == 0 or texels.shape[-1] < 2:
         raise InputError(f"texels: got shape {texels.shape}; allowed is (..., C + 1) with C >= 1")
     alpha = texels[..., -1:]

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, as_integer, as_number
+from refdof._check import Float, Index, InputError, as_integer, as_number
 from refdof.camera import Camera
 from refdof.raster.triangles import Raster, rasterize
 
@@ -45,6 +45,8 @@ def peel_raster(
     InputError
         If count < 1 or umbra < 0, or as `rasterize`.
     """
+    if "previous_depth" in options:
+        raise InputError("previous_depth: got a depth; peeling has its own, allowed is none")
     most = np.inf if count is None else as_integer("count", count, minimum=1)
     umbra = as_number("umbra", umbra, minimum=0.0, finite=False)
     layers = [rasterize(vertices, faces, camera, **options)]

@@ -66,7 +66,7 @@ class GpuModel:
 
     def __post_init__(self) -> None:
         for name, allowed in (("subpixel_bits", (0, 4, 8)), ("filter_bits", (0, 8))):
-            if getattr(self, name) not in allowed:
+            if not isinstance(getattr(self, name), int) or getattr(self, name) not in allowed:
                 raise InputError(f"{name}: got {getattr(self, name)!r}; allowed are {', '.join(map(str, allowed))}")
         as_choice("float_rounding", self.float_rounding, ("nearest", "zero"))
         as_choice("unorm_rounding", self.unorm_rounding, ("exact", "even", "up"))

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_float
+from refdof._check import Float, Index, InputError, as_float, shape_of
 from refdof._jit import borrow, kernel, prange
 from refdof.raster.filters import bilinear_at, lerp, rules_of, split
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
@@ -35,7 +35,7 @@ def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
     """
     image = _decoded(as_texture("image", image, model), model)
     for name, value in (("x", x), ("y", y)):
-        _shape(name, value)
+        shape_of(name, value)
         if not np.issubdtype(np.asarray(value).dtype, np.integer):
             raise InputError(f"{name}: got {np.asarray(value).dtype}; allowed are integers")
     x, y = _matched(x=np.asarray(x), y=np.asarray(y))
@@ -132,8 +132,8 @@ def level_of_detail(squared: Any, model: GpuModel = EXACT, bias: Any = 0.0) -> F
     bias : (...), or a number
         Levels to add. (Cards cut it, at 14 to 16 levels either way.)
     """
-    bias = as_float("bias", bias, _shape("bias", bias))
-    squared = as_float("squared", squared, _shape("squared", squared))
+    bias = as_float("bias", bias, shape_of("bias", bias))
+    squared = as_float("squared", squared, shape_of("squared", squared))
     if not (squared > 0).all():
         raise InputError(f"squared: smallest value is {squared.min():g}; allowed are values > 0")
     squared, bias = _matched(squared=squared, bias=bias)
@@ -259,7 +259,7 @@ def _decoded(image: Any, model: GpuModel) -> Float:
 def _coordinates(model: GpuModel, **values: Any) -> list[Float]:
     """Finite arrays of one shape, in the type in which `model` computes coordinates."""
     dtype = np.float64 if model == EXACT else np.float32
-    return _matched(**{name: as_float(name, v, _shape(name, v), dtype=dtype) for name, v in values.items()})
+    return _matched(**{name: as_float(name, v, shape_of(name, v), dtype=dtype) for name, v in values.items()})
 
 
 def _matched(**arrays: Any) -> list[Any]:
@@ -268,10 +268,3 @@ def _matched(**arrays: Any) -> list[Any]:
     except ValueError:
         shapes = ", ".join(str(a.shape) for a in arrays.values())
         raise InputError(f"{', '.join(arrays)}: got shapes {shapes}; they must match") from None
-
-
-def _shape(name: str, value: Any) -> tuple[int, ...]:
-    try:
-        return np.shape(value)
-    except ValueError:  # rows of different lengths
-        raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None

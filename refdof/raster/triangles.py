@@ -17,6 +17,7 @@ References
 """
 
 import math
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,10 +30,10 @@ from refdof.raster.clip import pieces_of, snapped
 from refdof.raster.depth_format import depth_code, depths_of, key_of, keys_of
 from refdof.raster.gpu_model import EXACT, GpuModel
 
-__all__ = ["FINEST_BITS", "Raster", "rasterize"]
+__all__ = ["FINEST_BITS", "NEAR", "Raster", "rasterize"]
 
 FINEST_BITS = 12  # of the exact model; finer, an edge function of the guard band could overflow 64 bits
-_NEAR = 1e-6  # of the largest coordinate: far below every scene's own near end, far above rounding
+NEAR = 1e-6  # default, of the largest coordinate: far below every scene's own near end, far above rounding
 
 
 class Raster(NamedTuple):
@@ -104,8 +105,10 @@ def rasterize(
     vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", faces, (None, 3), end=len(vertices))
     largest = float(np.abs(vertices).max(initial=0.0)) or 1.0
-    near = _NEAR * largest if near is None else as_number("near", near, above=0.0)
+    near = NEAR * largest if near is None else as_number("near", near, above=0.0)
     far = as_number("far", far, above=0.0, finite=False)
+    if not near < far:
+        raise InputError(f"far: got {far:g}; allowed are values beyond near, {near:g}")
     exact = model.subpixel_bits == 0
     bits = FINEST_BITS if exact else model.subpixel_bits
     precision = precision or ("float64" if model == EXACT else "float32")
@@ -121,7 +124,7 @@ def rasterize(
 
     # Work in a unit of length near the largest coordinate: a power of two changes no bit, and nothing underflows.
     exponent = int(math.frexp(largest)[1])
-    vertices, near, far = np.ldexp(vertices, -exponent), math.ldexp(near, -exponent), math.ldexp(far, -exponent)
+    vertices, near, far = np.ldexp(vertices, -exponent), _scaled(near, -exponent), _scaled(far, -exponent)
     code = depth_code(depth_format, near, far)
     previous = keys_of(np.ldexp(previous, -exponent), code)
     pieces = pieces_of(vertices, faces, camera, near, bits, exact)
@@ -142,6 +145,13 @@ def rasterize(
 
     run_tasks(draw_row, range(-(-camera.height // TILE_PX)))
     return raster._replace(depth=np.ldexp(depths_of(raster.depth, code), exponent))
+
+
+def _scaled(length: float, exponent: int) -> float:
+    """length 2^exponent, at most the largest number if it was finite."""
+    with np.errstate(over="ignore"):
+        scaled = float(np.ldexp(length, exponent))
+    return scaled if math.isinf(length) else min(scaled, sys.float_info.max)
 
 
 @tile_kernel
