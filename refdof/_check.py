@@ -20,6 +20,7 @@ __all__ = [
     "as_color",
     "as_float",
     "as_index",
+    "as_instance",
     "as_integer",
     "as_number",
     "as_pair",
@@ -42,12 +43,13 @@ def as_float(
     *,
     dtype: npt.DTypeLike | None = None,
     finite: bool = True,
+    nan: bool = False,
     minimum: float | None = None,
 ) -> Float:
     """Return `value` as a C-contiguous float array of `shape` (None: any length).
 
-    float32 and float64 are kept unless `dtype` is given; everything else becomes float64. NaN is never
-    allowed; infinities only if `finite` is False.
+    float32 and float64 are kept unless `dtype` is given; everything else becomes float64. NaN is only
+    allowed if `nan` is True, infinities only if `finite` is False.
     """
     try:
         array = np.asarray(value)
@@ -61,7 +63,7 @@ def as_float(
     except (TypeError, ValueError):
         raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None
     _check_shape(name, array.shape, shape)
-    if np.isnan(array).any():
+    if not nan and np.isnan(array).any():
         raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
     if finite and not np.isfinite(array).all():
         raise InputError(f"{name}: has {int(np.isinf(array).sum())} infinite values; only finite ones are allowed")
@@ -117,6 +119,8 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
     """Return `value` as an int inside minimum .. maximum; 3.0 is taken, 3.5 is not."""
     allowed = f"a whole number >= {minimum}" if maximum is None else f"a whole number in {minimum} .. {maximum}"
     try:
+        if np.ndim(value) != 0:
+            raise TypeError
         number = int(value)
         whole = not isinstance(value, bool) and number == float(value)
     except (TypeError, ValueError, OverflowError):
@@ -124,6 +128,13 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
     if not whole or number < minimum or (maximum is not None and number > maximum):
         raise InputError(f"{name}: got {value!r}; allowed is {allowed}")
     return number
+
+
+def as_instance(name: str, value: Any, kind: type) -> Any:
+    """Return `value` if it is a `kind`."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: got {type(value).__name__}; allowed is a {kind.__name__}")
+    return value
 
 
 def as_bool(name: str, value: Any) -> bool:

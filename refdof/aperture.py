@@ -120,6 +120,8 @@ class Aperture:
         For an image the points are spread over the full disc: weigh them with `transmission`.
         """
         square = as_float("square", square, (None, 2), dtype=np.float64, minimum=0.0)
+        if square.size and square.max() > 1.0:
+            raise InputError(f"square: largest value is {square.max():g}; allowed are values <= 1")
         if len(self.boundary):
             sector = square[:, 0] * len(self.boundary)
             k = np.minimum(sector.astype(np.int64), len(self.boundary) - 1)
@@ -174,7 +176,9 @@ def gaussian_stretch(x, y, deviation):
     inside = -np.expm1(-1.0 / double)
     if q * inside < 1e-12:  # the middle, where the density is even: r^2 = 2 s^2 q inside
         return np.sqrt(double * inside)
-    return np.sqrt(-double * np.log1p(-q * inside) / q)
+    if q * inside >= 1.0:  # the rim of a lens whose outer parts are darker than a rounding
+        return np.sqrt(1.0 / q)
+    return min(np.sqrt(-double * np.log1p(-q * inside) / q), np.sqrt(1.0 / q))
 
 
 @inline

@@ -8,7 +8,8 @@ halton  every pixel takes `count` points in a row, from its own start, out of 2 
 
 The texture of noise and starts repeats every 64 pixels. With noise, the 16 ordered pairs of a texel's four numbers
 serve 1/16 of the points each, and a point moves by up to half the mean distance to its nearest neighbour along x and
-along y; [1] gives neither. A point that leaves the opening is mirrored at its rim.
+along y; [1] gives neither. A single point goes anywhere on the lens. A point that leaves the opening is mirrored at its
+rim.
 
 References
 ----------
@@ -82,7 +83,10 @@ def lens_pattern(
     noise = random.random((_TILE_PX * _TILE_PX, 4))
     pair = np.arange(count) * _PAIRS // count
     shift = np.stack([noise[:, pair % 4], noise[:, pair // 4]], axis=-1) * 2.0 - 1.0
-    moved = _inside(aperture, (points + 0.5 * mean_nearest_distance(points) * shift).reshape(-1, 2))
+    if count == 1:  # no neighbour: anywhere on the lens
+        moved = aperture.from_square(noise[:, :2])
+    else:
+        moved = _inside(aperture, (points + 0.5 * mean_nearest_distance(points) * shift).reshape(-1, 2))
     weights = aperture.transmission(moved).reshape(-1, count)
     chosen = np.arange(_TILE_PX * _TILE_PX, dtype=np.int32).reshape(_TILE_PX, _TILE_PX)
     return LensPattern(moved.reshape(-1, count, 2), _with_mean_one(weights), chosen)

@@ -12,7 +12,7 @@ from scipy import ndimage
 
 import refdof
 from refdof import InputError, ThinLens, View
-from refdof.methods import METHODS, poisson, pyramidal, separable
+from refdof.methods import METHODS, poisson, pyramidal, scatter, separable
 from refdof.raster.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
 
@@ -228,3 +228,17 @@ def test_rendering_records_its_stages(name, stages):
 def test_bad_input_is_named(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("focus", [1e6, 1e12, np.inf])
+def test_a_lens_focused_far_away_blurs_what_is_near(focus):
+    depth = np.array([[2.0, 4.0], [2.0, 4.0]])
+    coc = 100.0 * (1.0 / focus - 1.0 / depth)
+    # Full blur in front is 0; the focal plane at 10^6 leaves 4 / 10^6 of it.
+    np.testing.assert_allclose(poisson._code(depth, coc, poisson.Params()), 0.0, atol=4e-6)
+
+
+@pytest.mark.parametrize("method", [scatter, separable, poisson, pyramidal])
+def test_parameters_are_parameters(method):
+    with pytest.raises(InputError, match="params: got NoneType; allowed is a Params"):
+        method.blur(np.ones((2, 2, 3)), np.ones((2, 2)), np.zeros((2, 2)), None)

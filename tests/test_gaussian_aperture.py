@@ -100,3 +100,10 @@ def test_an_edge_blurs_as_the_cut_gaussian_does(deviation):
 def test_bad_deviations_are_named(deviation):
     with pytest.raises(InputError, match=r"^deviation: got"):
         Aperture.gaussian(deviation)
+
+
+@pytest.mark.parametrize("deviation", [0.01, 0.11, 0.116, 0.5])
+def test_no_point_leaves_the_lens(deviation):
+    corners = np.array([[0.0, 0.5], [0.5, 0.0], [1.0, 1.0], [0.0, 0.0], [1.0, 0.3]])
+    points = Aperture.gaussian(deviation).from_square(corners)
+    assert (np.hypot(*points.T) <= 1.0 + 1e-15).all()  # one rounding of the rim

@@ -75,6 +75,7 @@ def test_equal_anchors_make_a_step():
     bounds = np.array([1.0, 2.0, 2.0, 3.0])
     assert weights(2.0, bounds)[:2] == [1, 1]
     np.testing.assert_allclose(weights(2.5, bounds), [0, 0.5, 1], rtol=1e-15)
+    assert layer_coordinate(np.array([5.0]), np.array([1.0, 1.0, 1.0]))[0] == 2.0  # beyond: on the last anchor
 
 
 def test_no_surface_has_no_weight():

@@ -57,9 +57,10 @@ def test_an_interior_point_keeps_its_energy(coc):
     np.testing.assert_allclose(image.sum(axis=(0, 1)), color[16, 16], rtol=1e-13)
 
 
-def test_shares_of_interior_pixels_add_up_to_one():
+@pytest.mark.parametrize("radius", [3.3, 0.5, np.nextafter(0.5, 0.0), np.nextafter(0.5, 1.0), 0.2])
+def test_shares_of_interior_pixels_add_up_to_one(radius):
     trace = Trace(on=True)
-    scatter._blur(np.ones((24, 24, 3)), np.ones((24, 24)), np.full((24, 24), 3.3), Params(), trace)
+    scatter._blur(np.ones((24, 24, 3)), np.ones((24, 24)), np.full((24, 24), radius), Params(), trace)
     np.testing.assert_allclose(trace.stages["shares"][8:-8, 8:-8], 1.0, rtol=1e-13)
 
 

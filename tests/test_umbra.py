@@ -91,3 +91,10 @@ def test_empty_pixels_equal_depths_and_pinholes():
 def test_bad_input(depth, extent, message):
     with pytest.raises(InputError, match=message):
         survivors(depth, CAMERA, LENS, extent)
+
+
+def test_depths_at_the_smallest_numbers():
+    np.testing.assert_array_equal(survivors(stack([1e-320, 1.0, 2.0]), CAMERA, LENS)[0, 0], [0])
+    assert worst_case_layers(CAMERA, ThinLens(0.0, 1.0), 1e-320) == 1
+    with pytest.raises(InputError, match="near: got"):
+        worst_case_layers(CAMERA, LENS, 1e-320)

@@ -51,7 +51,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_integer, as_number
+from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_instance, as_integer, as_number
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
@@ -121,8 +121,8 @@ class Params:
     def __post_init__(self) -> None:
         if isinstance(self.buffers, str) and self.buffers != "all":
             raise InputError(f"buffers: got {self.buffers!r}; allowed are a whole number >= 1 and all")
-        if self.buffers != "all":
-            object.__setattr__(self, "buffers", as_integer("buffers", self.buffers, minimum=1))
+        if not isinstance(self.buffers, str):
+            object.__setattr__(self, "buffers", as_integer("buffers", self.buffers, minimum=1, maximum=1024))
         as_choice("filter", self.filter, _FILTERS)
         as_choice("placement", self.placement, ("filter", "kmeans"))
         as_choice("ramp", self.ramp, RAMPS)
@@ -172,11 +172,14 @@ def blur_buffers(
     InputError
         If shapes disagree, a colour is not finite, a depth is not above 0, or there is no surface at all.
     """
+    for name, value, kind in (("camera", camera, Camera), ("lens", lens, ThinLens), ("params", params, Params)):
+        as_instance(name, value, kind)
     color = as_float("color", color, (None, camera.height, camera.width, 3))
     if len(color) == 0:
         raise InputError("color: got no buffers; allowed is at least one")
-    absent = np.isnan(np.asarray(depth, dtype=np.float64))
-    filled = as_float("depth", np.where(absent, np.inf, depth), color.shape[:3], dtype=np.float64, finite=False)
+    depth = as_float("depth", depth, color.shape[:3], dtype=np.float64, finite=False, nan=True)
+    absent = np.isnan(depth)
+    filled = np.where(absent, np.inf, depth)
     if not (filled > 0.0).all():
         raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
     if absent.all():

@@ -25,6 +25,8 @@ Departures from the paper
 - [1] states a fourth of the rays as enough to bound a footprint, and uses all; a thin lens needs none.
 - "1/4th resolution" of the N-buffer with "a factor of four" in memory: half the resolution along each axis.
 - Peeled layers come from exact ray casting, back faces included.
+- Places are computed in float32: with parallaxes above some 10^5 px (a very wide lens) they are off by parts of a
+  pixel, and what is in focus no longer is.
 
 References
 ----------

@@ -39,7 +39,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_number
+from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.fetches import LARGEST_RADIUS, level_shares
 from refdof.methods._images import as_images, within
 from refdof.raster.anisotropic import depth_of_chain, foreground_blur, halve, new_chain
@@ -80,7 +80,9 @@ class Params:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "delta", as_number("delta", self.delta, minimum=0.0, finite=False))
-        if self.foreground_points not in (0, 5, 9):
+        points = as_integer("foreground_points", self.foreground_points, minimum=0, maximum=9)
+        object.__setattr__(self, "foreground_points", points)
+        if points not in (0, 5, 9):
             raise InputError(f"foreground_points: got {self.foreground_points!r}; allowed are 0, 5, 9")
         as_choice("blend", self.blend, ("linear", "geometric"))
         as_choice("depth_format", self.depth_format, ("f32", "f16"))
@@ -112,14 +114,15 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, a depth is not above 0, or a colour is negative where
-        the blend is geometric.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, a depth is not above 0,
+        or a colour is negative where the blend is geometric.
 
     Notes
     -----
     Costs the same for any blur above 1.5 px; below, one level is read and not two, and none where there is no blur. A
     blur wider than the picture is cut.
     """
+    as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:
         raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, as_choice, as_number
+from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import add_bilinear, borrow, inline, kernel, prange
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.magnify import texels_around
@@ -112,9 +112,14 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
+        above 0.
+
+    Notes
+    -----
+    Sums of reads must fit the type: in float32, colours stay right up to 1e37.
     """
-    return _blur(*as_images(color, depth, coc), params, Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
 
 
 def fetch_units(params: Params, width: int, height: int) -> float:
@@ -150,10 +155,11 @@ def _code(depth: Float, coc: Float, params: Params) -> Float:
         distance = depth.astype(np.float64)
         nearness = 1.0 / distance
         share = circles[tuple(least)] / (circles[tuple(least)] - circles[tuple(greatest)])
-        focus = 1.0 / max(nearness[tuple(least)] * (1.0 - share) + nearness[tuple(greatest)] * share, 0.0)
+        # Over the focal distance, whose inverse may be 0: then all that is not at infinity is at full blur.
+        focus = max(nearness[tuple(least)] * (1.0 - share) + nearness[tuple(greatest)] * share, 0.0)
         far = distance.max(initial=0.0, where=np.isfinite(distance))
-        behind = np.where(np.isfinite(distance), (distance - focus) / (far - focus), 1.0)
-        before = (distance - focus) / (focus - distance.min())
+        behind = np.where(np.isfinite(distance), (distance * focus - 1.0) / (far * focus - 1.0), 1.0)
+        before = (distance * focus - 1.0) / (1.0 - distance.min() * focus)
     blurred = np.where(circles > 0, np.clip(behind, 0.0, 1.0), np.where(circles < 0, np.clip(before, -1.0, 0.0), 0.0))
     return 0.5 + 0.5 * np.nan_to_num(blurred, nan=0.0)
 

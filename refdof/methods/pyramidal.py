@@ -37,7 +37,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, as_integer
+from refdof._check import Float, as_instance, as_integer
 from refdof.fetches import LARGEST_RADIUS
 from refdof.methods._images import as_images, within
 from refdof.raster.pyramid import blurred, filled, level_count
@@ -97,8 +97,14 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
+        above 0.
+
+    Notes
+    -----
+    Sums of reads must fit the type: in float32, colours stay right up to 1e37.
     """
+    as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)
     return _blur(color, coc, params, Trace())
 

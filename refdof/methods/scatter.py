@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, as_choice
+from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.disc import LARGEST_DISC, covered, inner_count, outer_count
@@ -88,13 +88,14 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
+        above 0.
 
     Notes
     -----
     Costs O(H W r^2) for circles of radius r. Energy is kept where all circles are alike, away from the border.
     """
-    return _blur(*as_images(color, depth, coc), params, Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
 
 
 def fetch_units(params: Params, width: int, height: int) -> float:
@@ -129,7 +130,7 @@ def _scatter(color, radius, order, over):
             if y + reach < first or y - reach >= end:
                 continue
             red, green, blue = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2])
-            even = 1.0 / (math.pi * r * r) if r > 0.5 else 1.0
+            even = 1.0 / (math.pi * r * r) if reach > 0 else 1.0
             for row in range(max(first, y - reach), min(end, y + reach + 1)):
                 j = abs(row - y)
                 inner, outer = inner_count(j, r), outer_count(j, r)

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, as_number
+from refdof._check import Float, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.fetches import MEAN_RADIUS
 from refdof.methods._images import as_images, depth_in_range, within
@@ -89,13 +89,14 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
+        above 0.
 
     Notes
     -----
     Costs two passes of as many taps as the largest circle of each row is wide.
     """
-    return _blur(*as_images(color, depth, coc), params, Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
 
 
 def fetch_units(params: Params, width: int, height: int, mean: float = MEAN_RADIUS) -> float:

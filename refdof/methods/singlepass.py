@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float
+from refdof._check import Float, InputError, as_choice, as_float, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.raster.planar import pad_planes, tap_of
 from refdof.trace import Trace
@@ -119,6 +119,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept. The sum of
     all taps must fit the type: in float32, colours stay right up to 8e35.
     """
+    as_instance("params", params, Params)
     color = as_float("color", color, (None, None, 3))
     if color.size == 0:
         raise InputError(f"color: got shape {color.shape}; allowed is at least one pixel")

@@ -96,7 +96,7 @@ def _coordinates(depth, bounds, hard, out):
             elif high == np.inf:
                 t = 1.0 - low / z
             else:
-                t = (z - low) / (high - low) if high > low else 0.0
+                t = (z - low) / (high - low) if high > low else (1.0 if z > low else 0.0)
             row[x] = k + min(max(t, 0.0), 1.0)
 
 

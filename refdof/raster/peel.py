@@ -31,6 +31,7 @@ __all__ = ["Layers", "count_surfaces", "peel"]
 
 _FIRST_CAPACITY = 256
 _ROWS_PER_TASK = 8
+_MANY = 16  # layers: to count them first is cheaper than memory for empty ones
 _SAME_DEPTH = 1e-12  # relative: float64 roundings of one point's depth on two planes
 _ON_RIM = 1e-9  # barycentric: nearer to an edge than this, float32 and float64 may disagree on the side
 
@@ -51,6 +52,8 @@ class Layers(NamedTuple):
 def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None, umbra_step: float = 0.0) -> Layers:
     """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
 
+    Of a count above 16 no more layers are made than the deepest pixel has, and one empty one.
+
     umbra_step is how far a kept surface hides those behind it, in inverse depth [1 / unit of `surfaces`]: 0 keeps all,
     coplanar ones included.
 
@@ -62,6 +65,8 @@ def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = Non
     if count is None:
         count = max(1, int(count_surfaces(surfaces, tracer, shot, umbra_step).max(initial=0)))
     count = as_integer("count", count, minimum=1)
+    if count > _MANY:  # one empty layer more than the deepest pixel needs shows that nothing is left
+        count = min(count, 1 + int(count_surfaces(surfaces, tracer, shot, umbra_step).max(initial=0)))
     shape = (count, shot.height, shot.width)
     layers = Layers(
         np.zeros((*shape, 3), dtype=np.float32),
@@ -199,7 +204,7 @@ def _drop_hidden(depth, triangle, count, umbra_step):
     kept, reach = 0, np.inf
     for k in range(count):
         nearness = 1.0 / depth[k]
-        if nearness > 0.0 and nearness < reach:
+        if nearness > 0.0 and (nearness < reach or kept == 0):
             reach = reach_beyond(nearness, umbra_step)
             depth[kept], triangle[kept] = depth[k], triangle[k]
             kept += 1

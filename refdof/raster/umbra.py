@@ -80,6 +80,11 @@ def worst_case_layers(camera: Camera, lens: ThinLens, near: float, far: float = 
     near = as_number("near", near, above=0.0)
     far = as_number("far", far, minimum=near, finite=False)
     step = umbra_step(camera, lens, extent_px)
+    if math.isinf(step):
+        return 1
+    layers = (1.0 / near - 1.0 / far) / step if 1.0 / near < math.inf else math.inf
+    if math.isinf(layers):
+        raise InputError(f"near: got {near:g}; allowed are depths that need a finite number of layers")
     return max(1, math.ceil((1.0 / near - 1.0 / far) / step))
 
 
@@ -94,7 +99,7 @@ def _keep(depth, step):
             reach = np.inf  # inverse depth: the next surface must lie beyond it
             for k in range(layers):
                 nearness = 1.0 / depth[k, y, x]
-                if nearness > 0.0 and nearness < reach:
+                if nearness > 0.0 and (nearness < reach or count[y, x] == 0):
                     kept[count[y, x], y, x] = k
                     count[y, x] += 1
                     reach = reach_beyond(nearness, step)
