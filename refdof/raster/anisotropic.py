@@ -31,7 +31,7 @@ _SHARES = np.array([_SIDE, 1.0, _SIDE]) / (1.0 + 2.0 * _SIDE)
 
 
 class Chain(NamedTuple):
-    """Mip levels in one array (T, C), row by row; starts, heights, widths: (L,) int64."""
+    """Mip levels in one array (T, C), row by row, and a texel for reads of two; starts, heights, widths: (L,) int64."""
 
     texels: Float
     starts: Index
@@ -50,11 +50,13 @@ def depth_of_chain(width: int, height: int) -> int:
 
 
 def new_chain(shape: tuple[int, int, int], last: int, dtype: npt.DTypeLike) -> Chain:
-    """A chain with levels 0 .. `last` of a picture (H, W, C), to be filled."""
+    """A chain with levels 0 .. `last` of a picture (H, W, C), to be filled, and one more texel of 0."""
     heights, widths = ([max(1, side >> k) for k in range(last + 1)] for side in shape[:2])
     starts = np.cumsum([0] + [h * w for h, w in zip(heights, widths, strict=True)])
+    texels = np.empty((int(starts[-1]) + 1, shape[2]), dtype=dtype)
+    texels[-1] = 0
     return Chain(
-        np.empty((int(starts[-1]), shape[2]), dtype=dtype),
+        texels,
         starts[:-1].astype(np.int64),
         np.array(heights, dtype=np.int64),
         np.array(widths, dtype=np.int64),

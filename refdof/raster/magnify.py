@@ -9,24 +9,23 @@ References
    IEEE Transactions on Visualization and Computer Graphics 15(3), equations (5) to (8) and (11).
 """
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from refdof._check import Float
-from refdof._jit import add_bilinear, borrow, inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
+from refdof._vectors import INWARD, read_circle
 from refdof.raster.anisotropic import Chain
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
 
 K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
-_INWARD = math.sqrt(0.5)
 # Centre, axes, diagonals: figure 4a for G(q - p), which diagonals keep, and figure 4b for the places of reads.
 _SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
 _GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
-CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, _INWARD, 1.0) * _SQUARE
-_OFFSETS = np.array([0.0, 1.0, -1.0, _INWARD, -_INWARD])
+CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, INWARD, 1.0) * _SQUARE
+_OFFSETS = np.array([0.0, 1.0, -1.0, INWARD, -INWARD])
 _COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in _OFFSETS
 _ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
 
@@ -54,7 +53,9 @@ def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
     tables = _tables(colors)
     if geometric:
         return _magnify_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
-    return _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights)
+    out = np.empty((*blur.smoothed.shape, 3), dtype=dtype)
+    _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
+    return out
 
 
 def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
@@ -113,13 +114,13 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
 
 
 @kernel
-def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights):
+def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
-    out = np.empty((height, width, 3), dtype=colors.dtype)
     for y in prange(height):
         own = colors.dtype.type
-        texels, sizes, lods, shares = borrow(colors), borrow(smoothed), borrow(levels), borrow(weights)
+        texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
+        shares = (weights[0], weights[1], weights[5])
         begin, tall, broad, downward, rightward = (
             borrow(starts),
             borrow(heights),
@@ -134,35 +135,20 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
                     out[y, x, c] = texels[y * width + x, c]
                 continue
             radius, level, beta = _circle_of(m, sizes[y, x], last)
-            total = (own(0), own(0), own(0), own(0))
-            for step in range(2 if beta > own(0) else 1):
-                k = level + step
-                weight = beta if step == 1 else own(1) - beta
-                u, v = (own(x) + own(0.5)) * rightward[k], (own(y) + own(0.5)) * downward[k]
-                a, b = radius * rightward[k], radius * downward[k]
-                base, wide, high = begin[k], broad[k], tall[k]
-                x0, x1, w0 = texels_around(u, wide)
-                x2, x3, w1 = texels_around(u + a, wide)
-                x4, x5, w2 = texels_around(u - a, wide)
-                x6, x7, w3 = texels_around(u + own(_INWARD) * a, wide)
-                x8, x9, w4 = texels_around(u - own(_INWARD) * a, wide)
-                near, side, far = weight * shares[0], weight * shares[1], weight * shares[5]
-                y0, y1, h = _rows(v, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, near)
-                total = add_bilinear(total, texels, y0 + x2, y0 + x3, y1 + x2, y1 + x3, w1, h, side)
-                total = add_bilinear(total, texels, y0 + x4, y0 + x5, y1 + x4, y1 + x5, w2, h, side)
-                y0, y1, h = _rows(v + b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
-                y0, y1, h = _rows(v - b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
-                y0, y1, h = _rows(v + own(_INWARD) * b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
-                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
-                y0, y1, h = _rows(v - own(_INWARD) * b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
-                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
-            out[y, x, 0], out[y, x, 1], out[y, x, 2] = total[0], total[1], total[2]
-    return out
+            u, v = own(x) + own(0.5), own(y) + own(0.5)
+            a, b = rightward[level], downward[level]
+            fine = read_circle(
+                texels, begin[level], broad[level], tall[level], u * a, v * b, radius * a, radius * b, shares
+            )
+            if beta > own(0):
+                k = level + 1
+                a, b = rightward[k], downward[k]
+                coarse = read_circle(texels, begin[k], broad[k], tall[k], u * a, v * b, radius * a, radius * b, shares)
+                out[y, x, 0] = fine[0] + (coarse[0] - fine[0]) * beta
+                out[y, x, 1] = fine[1] + (coarse[1] - fine[1]) * beta
+                out[y, x, 2] = fine[2] + (coarse[2] - fine[2]) * beta
+            else:
+                out[y, x, 0], out[y, x, 1], out[y, x, 2] = fine
 
 
 @kernel
@@ -225,13 +211,6 @@ def texels_around(place, size):
     centred = min(max(place - type(place)(0.5), type(place)(0)), type(place)(size - 1))
     first = int(centred)
     return first, min(first + 1, size - 1), centred - type(place)(first)
-
-
-@inline
-def _rows(place, size, base, stride):
-    """`texels_around` of rows, as the places of their first texels in a chain."""
-    first, second, weight = texels_around(place, size)
-    return base + first * stride, base + second * stride, weight
 
 
 @inline
