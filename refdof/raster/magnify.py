@@ -20,6 +20,8 @@ from refdof.raster.anisotropic import Chain
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
 
+_ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
+_LOG2_E2 = 2.0 / np.log(2.0)
 K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
 # Centre, axes, diagonals: figure 4a for G(q - p), which diagonals keep, and figure 4b for the places of reads.
 _SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
@@ -43,7 +45,10 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     dtype = circles.texels.dtype
     weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
     tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
-    return SmoothedBlur(*_smooth(circles.texels, *tables))
+    shape = (int(circles.heights[0]), int(circles.widths[0]))
+    blur = SmoothedBlur(*(np.empty(shape, dtype=dtype) for _ in range(3)))
+    _smooth(circles.texels, *tables, *blur)
+    return blur
 
 
 def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
@@ -65,52 +70,74 @@ def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
 
 
 @kernel
-def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights):
-    """Blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights, rhos, sigmas, levels):
+    """Fill blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
 
     Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
     """
     height, width, last = heights[0], widths[0], len(starts) - 1
     own = circles.dtype.type
     reach, half = own(2.0**last), own(0.5)
-    left, beside = np.empty((5, width), dtype=np.int64), np.empty((5, width), dtype=np.int64)
+    left, beside = np.empty((5, width), dtype=np.uint32), np.empty((5, width), dtype=np.uint32)
     across = np.empty((5, width), dtype=circles.dtype)
     for i in range(5):
         for x in range(width):
             place = (own(x) + half + offsets[i] * reach) * right[last]
             left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
-    neighbours = np.empty((height, width), dtype=circles.dtype)
-    smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
+    texel, aside = np.empty((last + 1, width), dtype=np.uint32), np.empty((last + 1, width), dtype=np.uint32)
+    share = np.empty((last + 1, width), dtype=circles.dtype)
+    for k in range(last + 1):
+        for x in range(width):
+            texel[k, x], aside[k, x], share[k, x] = texels_around((own(x) + half) * right[k], widths[k])
     for y in prange(height):
         texels, front = borrow(circles), borrow(nearer)
-        begin, tall, broad = borrow(starts), borrow(heights), borrow(widths)
-        downward, rightward = borrow(down), borrow(right)
-        first, second, share = borrow(left), borrow(beside), borrow(across)
-        sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
+        firsts, seconds, shares = borrow(texel), borrow(aside), borrow(share)
+        sums, rho, sigma, lod = np.zeros((5, front.shape[1]), dtype=circles.dtype), rhos[y], sigmas[y], levels[y]
         rho[:] = own(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
             for x in range(front.shape[1]):
                 sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
-            if not sums[i].any():
-                continue
-            line = sums[i]
-            for x in range(width):
-                a = line[first[i, x]]
-                rho[x] += a + (line[second[i, x]] - a) * share[i, x]
+            if sums[i].any():
+                _add_line(rho, sums[i], left[i], beside[i], across[i])
+        top, bottom = np.empty(last + 1, dtype=np.int64), np.empty(last + 1, dtype=np.int64)
+        sink = np.empty(last + 1, dtype=circles.dtype)
+        for k in range(last + 1):
+            first, second, sink[k] = texels_around((own(y) + half) * down[k], heights[k])
+            top[k], bottom[k] = starts[k] + first * widths[k], starts[k] + second * widths[k]
+        _levels_of(rho, own(last), lod)  # Eq. (11)
         for x in range(width):
-            sigma = texels[y * width + x, 1]
-            n = min(_level_of(rho[x]), own(last))  # Eq. (11)
-            if n > own(0):
-                level = int(n)
-                rest = n - own(level)
-                sigma = _blur_at(texels, begin, tall, broad, downward, rightward, level, x, y)
-                if rest > own(0):
-                    coarse = _blur_at(texels, begin, tall, broad, downward, rightward, level + 1, x, y)
-                    sigma += (coarse - sigma) * rest
-            smoothed[y, x], levels[y, x] = sigma, _level_of(sigma)
-    return neighbours, smoothed, levels
+            n = lod[x]
+            if n <= own(0):
+                sigma[x] = texels[top[0] + x, 1]
+                continue
+            k = int(n)
+            rest = n - own(k)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            fine = _between(
+                texels[upper + p, 1], texels[upper + q, 1], texels[lower + p, 1], texels[lower + q, 1], shares[k, x], sink[k]
+            )
+            k = min(k + 1, last)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            coarse = _between(
+                texels[upper + p, 1], texels[upper + q, 1], texels[lower + p, 1], texels[lower + q, 1], shares[k, x], sink[k]
+            )
+            sigma[x] = fine + (coarse - fine) * rest
+        _levels_of(sigma, own(np.inf), lod)
+
+
+@inline
+def _add_line(total, line, left, beside, across):
+    for x in range(len(total)):
+        a = line[left[x]]
+        total[x] += a + (line[beside[x]] - a) * across[x]
+
+
+@inline
+def _levels_of(sigmas, largest, out):
+    for x in range(len(out)):
+        out[x] = min(_level_of(sigmas[x]), largest)
 
 
 @kernel
@@ -196,7 +223,21 @@ def _circle_of(m, sigma, last):
 def _level_of(sigma):
     """Equation (6): the continuous level of a degree of blur [px]."""
     scaled = K_SIGMA * np.float64(sigma)
-    return type(sigma)(1.0 + np.log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+    return type(sigma)(1.0 + _log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+
+
+@inline
+def _log2(value):
+    """Logarithm of a float64 > 0, correct to 2^-52 and without a branch, so that a row takes it in vectors."""
+    bits = np.float64(value).view(np.int64)
+    exponent = (bits - _ROOT_HALF) >> 52
+    mantissa = np.int64(bits - (exponent << 52)).view(np.float64)  # sqrt(1/2) .. sqrt(2)
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    t = s * s  # below 0.0295; the first term left out is 2e-17 of the sum
+    series = 1.0 / 19.0
+    for k in (17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0):
+        series = series * t + 1.0 / k
+    return np.float64(np.int32(exponent)) + _LOG2_E2 * (s + s * t * series)
 
 
 @inline
@@ -225,16 +266,6 @@ def _color_at(texels, starts, heights, widths, down, right, level, u, v):
         _between(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
         _between(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
     )
-
-
-@inline
-def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
-    """Degree of blur of one level at the centre of pixel (x, y)."""
-    own = type(down[0])
-    i, i1, wx = texels_around((own(x) + own(0.5)) * right[level], widths[level])
-    j, j1, wy = texels_around((own(y) + own(0.5)) * down[level], heights[level])
-    first, second = starts[level] + j * widths[level], starts[level] + j1 * widths[level]
-    return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
 
 
 @inline
