@@ -1,6 +1,7 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
-1. read a circle of nine points                                            `read_circle`
+1. weigh a few texels                                                     `weigh_texels`
+2. read a circle of nine points                                           `read_circle`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
 type, indices are int64. Without compilation the same sums are done by NumPy.
@@ -16,7 +17,7 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "read_circle"]
+__all__ = ["INWARD", "read_circle", "weigh_texels"]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
@@ -116,6 +117,27 @@ def _read_circle(
     return signature, generate
 
 
+@intrinsic
+def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any:
+    signature = types.UniTuple(texels.dtype, 4)(texels, places, weights)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        base = context.make_array(texels)(context, builder, arguments[0]).data
+        total = None
+        for k in range(len(places)):
+            texel = _load(builder, base, builder.extract_value(arguments[1], k), 4)
+            weight = _spread(builder, builder.extract_value(arguments[2], k), 4)
+            total = _add_product(builder, texel, weight, total) if total else builder.fmul(texel, weight)
+        channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(4)]
+        return context.make_tuple(builder, signature.return_type, channels)
+
+    return signature, generate
+
+
+def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(sum(weight * texels[place] for place, weight in zip(places, weights, strict=True)))
+
+
 def _places_interpreted(centre: Any, radius: Any, size: int) -> tuple[Any, Any]:
     places = np.array([centre + type(centre)(offset) * radius for offset in _OFFSETS])
     centred = np.clip(places - places.dtype.type(0.5), 0, size - 1)
@@ -141,8 +163,13 @@ def _circle_interpreted(
 
 
 if JIT_DISABLED:
-    read_circle = _circle_interpreted
+    read_circle, weigh_texels = _circle_interpreted, _weigh_interpreted
 else:
+
+    @inline
+    def weigh_texels(texels, places, weights):
+        """Sum of the texels at `places`, a tuple of any length, times their weights: a tuple of four."""
+        return _weigh_texels(texels, places, weights)
 
     @inline
     def read_circle(texels, start, width, height, u, v, a, b, shares):

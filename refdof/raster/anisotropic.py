@@ -21,12 +21,11 @@ import numpy.typing as npt
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._vectors import weigh_texels
 
-__all__ = ["Chain", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
+__all__ = ["Chain", "begin", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
 
-_SIDE = math.exp(
-    -0.5
-)  # the Gaussian of [1] at one texel, with a standard deviation of one texel, which [1] leaves open
+_SIDE = math.exp(-0.5)  # the Gaussian at one texel, with a standard deviation of one texel, which [1] leaves open
 _SHARES = np.array([_SIDE, 1.0, _SIDE]) / (1.0 + 2.0 * _SIDE)
 
 
@@ -63,6 +62,11 @@ def new_chain(shape: tuple[int, int, int], last: int, dtype: npt.DTypeLike) -> C
     )
 
 
+def begin(color: Float, coc: Float, colors: Float, circles: Float) -> None:
+    """Fill level 0 (H, W, 4) and (H, W, 2) from color (H, W, 3) and coc (H, W) [px]."""
+    _begin(color, coc, colors, circles)
+
+
 def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:
     """Fill the next level (h, w, 4), its last channel with 0, and (h, w, 2).
 
@@ -79,45 +83,129 @@ def foreground_blur(circles: Float, height: int, width: int) -> Float:
 
 
 @kernel
+def _begin(color, coc, colors, circles):
+    height, width = coc.shape
+    for y in prange(height):
+        source, sizes, texels, pairs = color[y], coc[y], colors[y], circles[y]
+        zero = color.dtype.type(0)
+        for x in range(width):
+            texels[x, 0], texels[x, 1], texels[x, 2], texels[x, 3] = source[x, 0], source[x, 1], source[x, 2], zero
+        for x in range(width):
+            pairs[x, 0], pairs[x, 1] = sizes[x], abs(sizes[x])
+
+
+@kernel
 def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
-    """One level: rows blended first, then columns."""
+    """One level. Four rows are weighed into one; its pixels weigh four columns, or all 16 texels where some are left out."""
     height, width = coarse_circles.shape[:2]
     fine_height, fine_width = circles.shape[:2]
+    flat = color.reshape(fine_height * fine_width, 4)
+    columns, along = np.empty((4, width), dtype=np.int64), np.empty((4, width), dtype=color.dtype)
+    rights = np.empty(width, dtype=color.dtype)
+    for x in range(width):
+        column, share = _centre(x, fine_width, width)
+        rights[x] = share
+        along[0, x], along[1, x], along[2, x], along[3, x] = _four(shares[0], shares[1], shares[2], rights[x])
+        for i in range(4):
+            columns[i, x] = _inside(column - 1 + i, fine_width)
     for y in prange(height):
-        colors, sizes, weights = borrow(color), borrow(circles), borrow(shares)
+        sizes, all_texels, places, weights = borrow(circles), borrow(flat), borrow(columns), borrow(along)
         own = circles.dtype.type
         row, share = _centre(y, fine_height, height)
-        across, around = (
-            np.empty((3, fine_width, 3), dtype=color.dtype),
-            np.empty((3, fine_width, 2), dtype=color.dtype),
+        h, zero = own(share), own(0)
+        rows = (
+            _inside(row - 1, fine_height),
+            _inside(row, fine_height),
+            _inside(row + 1, fine_height),
+            _inside(row + 2, fine_height),
         )
-        for j in range(3):
-            top, bottom = _inside(row - 1 + j, fine_height), _inside(row + j, fine_height)
-            _blend_rows(colors[top], colors[bottom], own(share), across[j])
-            _blend_rows(sizes[top], sizes[bottom], own(share), around[j])
+        down = _four(shares[0], shares[1], shares[2], h)
+        line = np.empty((fine_width, 4), dtype=color.dtype)
+        pairs, centre = np.empty((fine_width, 2), dtype=color.dtype), np.empty((fine_width, 2), dtype=color.dtype)
+        least = np.empty(fine_width, dtype=color.dtype)
+        a, b, c, d = rows
+        _weigh_rows(color[a].ravel(), color[b].ravel(), color[c].ravel(), color[d].ravel(), down, line.ravel())
+        one, two, three, four = sizes[a], sizes[b], sizes[c], sizes[d]
+        _weigh_rows(one.ravel(), two.ravel(), three.ravel(), four.ravel(), down, pairs.ravel())
+        _blend_rows(two.ravel(), three.ravel(), h, centre.ravel())
+        for x in range(fine_width):
+            least[x] = min(min(one[x, 1], two[x, 1]), min(three[x, 1], four[x, 1]))
         for x in range(width):
-            column, share = _centre(x, fine_width, width)
-            w = own(share)
-            left, right = _inside(column, fine_width), _inside(column + 1, fine_width)
-            blurred = around[1, left, 1] + (around[1, right, 1] - around[1, left, 1]) * w
-            behind = around[1, left, 0] + (around[1, right, 0] - around[1, left, 0]) * w > own(0)
-            red, green, blue, total, signed, size = own(0), own(0), own(0), own(0), own(0), own(0)
-            for j in range(3):
-                for i in range(3):
-                    left, right = _inside(column - 1 + i, fine_width), _inside(column + i, fine_width)
-                    weight = weights[j] * weights[i]
-                    tap = around[j, left, 1] + (around[j, right, 1] - around[j, left, 1]) * w
-                    signed += weight * (around[j, left, 0] + (around[j, right, 0] - around[j, left, 0]) * w)
-                    size += weight * tap
-                    if behind and blurred > tap + delta:  # Eq. (9)
-                        continue
-                    total += weight
-                    red += weight * (across[j, left, 0] + (across[j, right, 0] - across[j, left, 0]) * w)
-                    green += weight * (across[j, left, 1] + (across[j, right, 1] - across[j, left, 1]) * w)
-                    blue += weight * (across[j, left, 2] + (across[j, right, 2] - across[j, left, 2]) * w)
-            coarse_color[y, x, 0], coarse_color[y, x, 1] = red / total, green / total  # Eq. (1)
-            coarse_color[y, x, 2], coarse_color[y, x, 3] = blue / total, own(0)
-            coarse_circles[y, x, 0], coarse_circles[y, x, 1] = signed, size
+            w = rights[x]
+            p, q, r, s = places[0, x], places[1, x], places[2, x], places[3, x]
+            e, f, g, k = weights[0, x], weights[1, x], weights[2, x], weights[3, x]
+            coarse_circles[y, x, 0] = e * pairs[p, 0] + f * pairs[q, 0] + g * pairs[r, 0] + k * pairs[s, 0]
+            coarse_circles[y, x, 1] = e * pairs[p, 1] + f * pairs[q, 1] + g * pairs[r, 1] + k * pairs[s, 1]
+            blurred = centre[q, 1] + (centre[r, 1] - centre[q, 1]) * w
+            behind = centre[q, 0] + (centre[r, 0] - centre[q, 0]) * w > zero
+            sharpest = min(min(least[p], least[q]), min(least[r], least[s]))
+            if behind and blurred > sharpest + delta:
+                red, green, blue = _without_sharper(
+                    all_texels, sizes, rows, (p, q, r, s), w, h, shares, blurred, delta, fine_width
+                )
+            else:
+                red, green, blue, _ = weigh_texels(line, (p, q, r, s), (e, f, g, k))  # Eq. (1)
+            coarse_color[y, x, 0], coarse_color[y, x, 1] = red, green
+            coarse_color[y, x, 2], coarse_color[y, x, 3] = blue, zero
+
+
+@inline
+def _without_sharper(texels, circles, rows, columns, w, h, shares, blurred, delta, width):
+    """Equation (9): the taps that are no sharper than the centre, as weights of their 16 texels."""
+    first = _taps(circles, rows[0], rows[1], columns, w, h, shares[0], shares, blurred, delta)
+    second = _taps(circles, rows[1], rows[2], columns, w, h, shares[1], shares, blurred, delta)
+    third = _taps(circles, rows[2], rows[3], columns, w, h, shares[2], shares, blurred, delta)
+    a, b, c, d = _four(first[0], second[0], third[0], h)
+    e, f, g, k = _four(first[1], second[1], third[1], h)
+    m, n, o, p = _four(first[2], second[2], third[2], h)
+    q, r, s, t = _four(first[3], second[3], third[3], h)
+    one, two, three, four = rows[0] * width, rows[1] * width, rows[2] * width, rows[3] * width
+    i, j, u, v = columns
+    red, green, blue, _ = weigh_texels(
+        texels,
+        (
+            *(one + i, one + j, one + u, one + v, two + i, two + j, two + u, two + v),
+            *(three + i, three + j, three + u, three + v, four + i, four + j, four + u, four + v),
+        ),
+        (a, e, m, q, b, f, n, r, c, g, o, s, d, k, p, t),
+    )
+    total = first[4] + second[4] + third[4]
+    return red / total, green / total, blue / total
+
+
+@inline
+def _taps(circles, top, bottom, columns, w, h, weight, shares, blurred, delta):
+    """Weights of four columns in a row of three taps, without those that are sharper, and the sum of the taps'."""
+    zero = type(w)(0)
+    p = circles[top, columns[0], 1] + (circles[bottom, columns[0], 1] - circles[top, columns[0], 1]) * h
+    q = circles[top, columns[1], 1] + (circles[bottom, columns[1], 1] - circles[top, columns[1], 1]) * h
+    r = circles[top, columns[2], 1] + (circles[bottom, columns[2], 1] - circles[top, columns[2], 1]) * h
+    s = circles[top, columns[3], 1] + (circles[bottom, columns[3], 1] - circles[top, columns[3], 1]) * h
+    a = zero if blurred > p + (q - p) * w + delta else weight * shares[0]
+    b = zero if blurred > q + (r - q) * w + delta else weight * shares[1]
+    c = zero if blurred > r + (s - r) * w + delta else weight * shares[2]
+    e, f, g, k = _four(a, b, c, w)
+    return e, f, g, k, a + b + c
+
+
+@inline
+def _four(a, b, c, w):
+    """Weights of four texels from those of three reads between them, each `w` of a texel on."""
+    rest = type(w)(1) - w
+    return a * rest, a * w + b * rest, b * w + c * rest, c * w
+
+
+@inline
+def _weigh_rows(a, b, c, d, weights, out):
+    e, f, g, h = weights
+    for x in range(len(out)):
+        out[x] = a[x] * e + b[x] * f + c[x] * g + d[x] * h
+
+
+@inline
+def _blend_rows(top, bottom, w, out):
+    for x in range(len(out)):
+        out[x] = top[x] + (bottom[x] - top[x]) * w
 
 
 @kernel
@@ -151,13 +239,6 @@ def _centre(x, fine, coarse):
 @inline
 def _inside(x, size):
     return min(max(x, 0), size - 1)
-
-
-@inline
-def _blend_rows(top, bottom, w, out):
-    for x in range(len(out)):
-        for c in range(out.shape[1]):
-            out[x, c] = top[x, c] + (bottom[x, c] - top[x, c]) * w
 
 
 @inline

@@ -46,7 +46,7 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
     tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
     shape = (int(circles.heights[0]), int(circles.widths[0]))
-    blur = SmoothedBlur(*(np.empty(shape, dtype=dtype) for _ in range(3)))
+    blur = SmoothedBlur(*np.empty((3, *shape), dtype=dtype))
     _smooth(circles.texels, *tables, *blur)
     return blur
 
