@@ -86,21 +86,28 @@ def _read_circle(
         columns, across = _around(builder, _add_product(builder, offsets, a, u), broad)
         rows, down = _around(builder, _add_product(builder, offsets, b, v), tall)
         rest = builder.fsub(ir.Constant(vector, [1.0] * 8), across)
-        zero = ir.Constant(begin.type, 0)
-        below = builder.select(builder.icmp_signed(">", tall, ir.Constant(tall.type, 1)), broad, zero)
+        texel = ir.Constant(begin.type, 4 * kind.bitwidth // 8)  # bytes: what addresses are added up from
+        stride, zero = builder.mul(broad, texel), ir.Constant(begin.type, 0)
+        below = builder.select(builder.icmp_signed(">", tall, ir.Constant(tall.type, 1)), stride, zero)
+        size = ir.Constant(columns.type, [4 * kind.bitwidth // 8] * 8)
+        columns = builder.mul(columns, size)
 
         def lane(values: Any, k: int) -> Any:
-            return builder.sext(builder.extract_element(values, ir.Constant(_INDEX, k)), begin.type)
+            return builder.zext(builder.extract_element(values, ir.Constant(_INDEX, k)), begin.type)
 
         place = [lane(columns, k) for k in range(5)]
-        line = [builder.add(begin, builder.mul(lane(rows, k), broad)) for k in range(5)]
+        corner = builder.gep(
+            builder.bitcast(base, ir.IntType(8).as_pointer()), [builder.mul(begin, texel)], inbounds=True
+        )
+        upper = [builder.gep(corner, [builder.mul(lane(rows, k), stride)], inbounds=True) for k in range(5)]
+        lower = [builder.gep(line, [below], inbounds=True) for line in upper]
         sink = [_pick(builder, down, down, [k] * 8) for k in range(5)]
         blend = [_pick(builder, rest, across, [k] * 4 + [8 + k] * 4) for k in range(5)]
 
         def two_rows(row: int, column: int) -> Any:
-            top = builder.add(line[row], place[column])
-            upper, lower = (_load(builder, base, at, 8) for at in (top, builder.add(top, below)))
-            return _lerp(builder, upper, lower, sink[row])
+            starts = [builder.gep(line[row], [place[column]], inbounds=True) for line in (upper, lower)]
+            top, bottom = (builder.load(builder.bitcast(at, vector.as_pointer()), align=4) for at in starts)
+            return _lerp(builder, top, bottom, sink[row])
 
         near, side, far = (_spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
         upright = builder.fmul(side, builder.fadd(two_rows(1, 0), two_rows(2, 0)))

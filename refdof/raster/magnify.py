@@ -144,8 +144,9 @@ def _levels_of(sigmas, largest, out):
 def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
+    own = colors.dtype.type
+    widest = own(2.0**last)
     for y in prange(height):
-        own = colors.dtype.type
         texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
         shares = (weights[0], weights[1], weights[5])
         begin, tall, broad, downward, rightward = (
@@ -161,14 +162,14 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
-            radius, level, beta = _circle_of(m, sizes[y, x], last)
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
             u, v = own(x) + own(0.5), own(y) + own(0.5)
             a, b = rightward[level], downward[level]
             fine = read_circle(
                 texels, begin[level], broad[level], tall[level], u * a, v * b, radius * a, radius * b, shares
             )
             if beta > own(0):
-                k = level + 1
+                k = level + np.uint32(1)
                 a, b = rightward[k], downward[k]
                 coarse = read_circle(texels, begin[k], broad[k], tall[k], u * a, v * b, radius * a, radius * b, shares)
                 out[y, x, 0] = fine[0] + (coarse[0] - fine[0]) * beta
@@ -182,9 +183,10 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
 def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
     """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
     height, width, last = heights[0], widths[0], len(starts) - 1
+    own = colors.dtype.type
+    widest = own(2.0**last)
     out = np.zeros((height, width, 3), dtype=colors.dtype)
     for y in prange(height):
-        own = colors.dtype.type
         texels, sizes = borrow(colors), borrow(smoothed)
         for x in range(width):
             m = levels[y, x]
@@ -192,7 +194,7 @@ def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, l
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
-            radius, level, beta = _circle_of(m, sizes[y, x], last)
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
             for k in range(9):
                 u, v = own(x) + own(0.5) + circle[k, 0] * radius, own(y) + own(0.5) + circle[k, 1] * radius
                 fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
@@ -207,15 +209,15 @@ def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, l
 
 
 @inline
-def _circle_of(m, sigma, last):
+def _circle_of(m, sigma, last, widest):
     """Radius of the circle [px], the level one below `m` > 0, and the weight of the next.
 
     Below m = 1 there is no lower level: the circle shrinks instead. Above, 2^(m - 1) is K_SIGMA sigma.
     """
     own = type(m)
-    radius = min(own(K_SIGMA) * sigma, own(2.0**last)) if m > own(1) else m
+    radius = min(own(K_SIGMA) * sigma, widest) if m > own(1) else m
     lod = min(max(m - own(1), own(0)), own(last))
-    level = int(lod)
+    level = np.uint32(lod)
     return radius, level, lod - own(level)
 
 
