@@ -53,8 +53,7 @@ def _add_product(builder: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 def _around(builder: Any, place: Any, size: Any) -> tuple[Any, Any]:
-    """First of two texels around `place` [texels from the corner], inside 0 .. size - 2 if it can, and the second's
-    weight."""
+    """First of two texels around `place` [texels from the corner], at most size - 2, and the second's weight."""
     lanes, kind = place.type.count, place.type.element
     zero, one = ir.Constant(_INDEX, 0), ir.Constant(_INDEX, 1)
     small = builder.trunc(size, _INDEX)
@@ -180,7 +179,7 @@ else:
 
     @inline
     def read_circle(texels, start, width, height, u, v, a, b, shares):
-        """Weighted mean of nine bilinear reads around u, v [texels from the corner], cut at the border: a tuple of three.
+        """Sum of nine weighted bilinear reads around u, v [texels from the corner], cut at the border: three channels.
 
         The level of width x height begins at texel `start`; after the last one, one more must be there to be loaded.
         Points lie at (u, v), (u +- a, v), (u, v +- b), and at INWARD of both; shares: the weights of one of each.

@@ -96,7 +96,7 @@ def _begin(color, coc, colors, circles):
 
 @kernel
 def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
-    """One level. Four rows are weighed into one; its pixels weigh four columns, or all 16 texels where some are left out."""
+    """One level: four rows weighed into one, then its columns; or 16 texels where some are left out."""
     height, width = coarse_circles.shape[:2]
     fine_height, fine_width = circles.shape[:2]
     flat = color.reshape(fine_height * fine_width, 4)

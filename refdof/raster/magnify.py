@@ -116,12 +116,22 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
             rest = n - own(k)
             p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
             fine = _between(
-                texels[upper + p, 1], texels[upper + q, 1], texels[lower + p, 1], texels[lower + q, 1], shares[k, x], sink[k]
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
             )
             k = min(k + 1, last)
             p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
             coarse = _between(
-                texels[upper + p, 1], texels[upper + q, 1], texels[lower + p, 1], texels[lower + q, 1], shares[k, x], sink[k]
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
             )
             sigma[x] = fine + (coarse - fine) * rest
         _levels_of(sigma, own(np.inf), lod)
