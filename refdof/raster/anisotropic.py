@@ -20,13 +20,16 @@ import numpy as np
 import numpy.typing as npt
 
 from refdof._check import Float, Index
-from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._vectors import weigh_texels
 
 __all__ = ["Chain", "begin", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
 
 _SIDE = math.exp(-0.5)  # the Gaussian at one texel, with a standard deviation of one texel, which [1] leaves open
 _SHARES = np.array([_SIDE, 1.0, _SIDE]) / (1.0 + 2.0 * _SIDE)
+
+
+_SMALL = 16384  # texels of a level: less work than to wake other threads
 
 
 class Chain(NamedTuple):
@@ -72,13 +75,14 @@ def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coars
 
     `delta` [px]: how much sharper than the centre a tap may be; inf is equation (1).
     """
-    _halve(color, circles, circles.dtype.type(delta), _SHARES.astype(circles.dtype), coarse_color, coarse_circles)
+    function = _halve_small if coarse_circles[..., 0].size < _SMALL else _halve
+    function(color, circles, circles.dtype.type(delta), _SHARES.astype(circles.dtype), coarse_color, coarse_circles)
 
 
 def foreground_blur(circles: Float, height: int, width: int) -> Float:
     """Equation (10): the largest blur among the taps in front of the focal plane and nearer than the centre (h, w)."""
     out = np.empty((height, width), dtype=circles.dtype)
-    _foreground_blur(circles, out)
+    (_foreground_small if out.size < _SMALL else _foreground_blur)(circles, out)
     return out
 
 
@@ -96,57 +100,80 @@ def _begin(color, coc, colors, circles):
 
 @kernel
 def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
-    """One level: four rows weighed into one, then its columns; or 16 texels where some are left out."""
-    height, width = coarse_circles.shape[:2]
-    fine_height, fine_width = circles.shape[:2]
-    flat = color.reshape(fine_height * fine_width, 4)
-    columns, along = np.empty((4, width), dtype=np.int64), np.empty((4, width), dtype=color.dtype)
-    rights = np.empty(width, dtype=color.dtype)
-    for x in range(width):
-        column, share = _centre(x, fine_width, width)
-        rights[x] = share
-        along[0, x], along[1, x], along[2, x], along[3, x] = _four(shares[0], shares[1], shares[2], rights[x])
+    columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
+    for y in prange(len(coarse_circles)):
+        _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+
+
+@tile_kernel
+def _halve_small(color, circles, delta, shares, coarse_color, coarse_circles):
+    columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
+    for y in range(len(coarse_circles)):
+        _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+
+
+@inline
+def _columns(fine, coarse, shares):
+    """Four finer texels of each coarse one, their weights (4, w), and the weight of a tap's second texel (w,)."""
+    columns, along = np.empty((4, coarse), dtype=np.int64), np.empty((4, coarse), dtype=shares.dtype)
+    right = np.empty(coarse, dtype=shares.dtype)
+    for x in range(coarse):
+        column, right[x] = _centre(x, fine, coarse)
+        along[0, x], along[1, x], along[2, x], along[3, x] = _four(shares[0], shares[1], shares[2], right[x])
         for i in range(4):
-            columns[i, x] = _inside(column - 1 + i, fine_width)
-    for y in prange(height):
-        sizes, all_texels, places, weights = borrow(circles), borrow(flat), borrow(columns), borrow(along)
-        own = circles.dtype.type
-        row, share = _centre(y, fine_height, height)
-        h, zero = own(share), own(0)
-        rows = (
-            _inside(row - 1, fine_height),
-            _inside(row, fine_height),
-            _inside(row + 1, fine_height),
-            _inside(row + 2, fine_height),
-        )
-        down = _four(shares[0], shares[1], shares[2], h)
-        line = np.empty((fine_width, 4), dtype=color.dtype)
-        pairs, centre = np.empty((fine_width, 2), dtype=color.dtype), np.empty((fine_width, 2), dtype=color.dtype)
-        least = np.empty(fine_width, dtype=color.dtype)
-        a, b, c, d = rows
-        _weigh_rows(color[a].ravel(), color[b].ravel(), color[c].ravel(), color[d].ravel(), down, line.ravel())
-        one, two, three, four = sizes[a], sizes[b], sizes[c], sizes[d]
-        _weigh_rows(one.ravel(), two.ravel(), three.ravel(), four.ravel(), down, pairs.ravel())
-        _blend_rows(two.ravel(), three.ravel(), h, centre.ravel())
-        for x in range(fine_width):
-            least[x] = min(min(one[x, 1], two[x, 1]), min(three[x, 1], four[x, 1]))
-        for x in range(width):
-            w = rights[x]
-            p, q, r, s = places[0, x], places[1, x], places[2, x], places[3, x]
-            e, f, g, k = weights[0, x], weights[1, x], weights[2, x], weights[3, x]
-            coarse_circles[y, x, 0] = e * pairs[p, 0] + f * pairs[q, 0] + g * pairs[r, 0] + k * pairs[s, 0]
-            coarse_circles[y, x, 1] = e * pairs[p, 1] + f * pairs[q, 1] + g * pairs[r, 1] + k * pairs[s, 1]
-            blurred = centre[q, 1] + (centre[r, 1] - centre[q, 1]) * w
-            behind = centre[q, 0] + (centre[r, 0] - centre[q, 0]) * w > zero
-            sharpest = min(min(least[p], least[q]), min(least[r], least[s]))
-            if behind and blurred > sharpest + delta:
-                red, green, blue = _without_sharper(
-                    all_texels, sizes, rows, (p, q, r, s), w, h, shares, blurred, delta, fine_width
-                )
-            else:
-                red, green, blue, _ = weigh_texels(line, (p, q, r, s), (e, f, g, k))  # Eq. (1)
-            coarse_color[y, x, 0], coarse_color[y, x, 1] = red, green
-            coarse_color[y, x, 2], coarse_color[y, x, 3] = blue, zero
+            columns[i, x] = _inside(column - 1 + i, fine)
+    return columns, along, right
+
+
+@inline
+def _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles):
+    """Four rows are weighed into one, then its columns; or 16 texels where some are left out."""
+    colors, sizes, places, weights, rights = (
+        borrow(color),
+        borrow(circles),
+        borrow(columns),
+        borrow(along),
+        borrow(right),
+    )
+    height, (fine_height, fine_width) = coarse_circles.shape[0], circles.shape[:2]
+    all_texels = colors.reshape(fine_height * fine_width, 4)
+    own = circles.dtype.type
+    row, share = _centre(y, fine_height, height)
+    h, zero = own(share), own(0)
+    rows = (
+        _inside(row - 1, fine_height),
+        _inside(row, fine_height),
+        _inside(row + 1, fine_height),
+        _inside(row + 2, fine_height),
+    )
+    down = _four(shares[0], shares[1], shares[2], h)
+    line = np.empty((fine_width, 4), dtype=color.dtype)
+    pairs, centre = np.empty((fine_width, 2), dtype=color.dtype), np.empty((fine_width, 2), dtype=color.dtype)
+    least = np.empty(fine_width, dtype=color.dtype)
+    a, b, c, d = rows
+    _weigh_rows(colors[a].ravel(), colors[b].ravel(), colors[c].ravel(), colors[d].ravel(), down, line.ravel())
+    one, two, three, four = sizes[a], sizes[b], sizes[c], sizes[d]
+    _weigh_rows(one.ravel(), two.ravel(), three.ravel(), four.ravel(), down, pairs.ravel())
+    _blend_rows(two.ravel(), three.ravel(), h, centre.ravel())
+    for x in range(fine_width):
+        least[x] = min(min(one[x, 1], two[x, 1]), min(three[x, 1], four[x, 1]))
+    for x in range(coarse_circles.shape[1]):
+        w = rights[x]
+        p, q, r, s = places[0, x], places[1, x], places[2, x], places[3, x]
+        e, f, g, k = weights[0, x], weights[1, x], weights[2, x], weights[3, x]
+        coarse_circles[y, x, 0] = e * pairs[p, 0] + f * pairs[q, 0] + g * pairs[r, 0] + k * pairs[s, 0]
+        coarse_circles[y, x, 1] = e * pairs[p, 1] + f * pairs[q, 1] + g * pairs[r, 1] + k * pairs[s, 1]
+        blurred = centre[q, 1] + (centre[r, 1] - centre[q, 1]) * w
+        behind = centre[q, 0] + (centre[r, 0] - centre[q, 0]) * w > zero
+        sharpest = min(min(least[p], least[q]), min(least[r], least[s]))
+        if behind and blurred > sharpest + delta:
+            red, green, blue = _without_sharper(
+                all_texels, sizes, rows, (p, q, r, s), w, h, shares, blurred, delta, fine_width
+            )
+        else:
+            red, green, blue, _ = weigh_texels(line, (p, q, r, s), (e, f, g, k))  # Eq. (1)
+        coarse_color[y, x, 0], coarse_color[y, x, 1] = red, green
+        coarse_color[y, x, 2], coarse_color[y, x, 3] = blue, zero
 
 
 @inline
@@ -210,22 +237,33 @@ def _blend_rows(top, bottom, w, out):
 
 @kernel
 def _foreground_blur(circles, out):
-    """Fill out (h, w) from the finer level's circles (H, W, 2)."""
+    for y in prange(len(out)):
+        _foreground_row(y, borrow(circles), out)
+
+
+@tile_kernel
+def _foreground_small(circles, out):
+    for y in range(len(out)):
+        _foreground_row(y, circles, out)
+
+
+@inline
+def _foreground_row(y, circles, out):
+    """Fill row y of out (h, w) from the finer level's circles (H, W, 2)."""
     height, width = out.shape
     fine_height, fine_width = circles.shape[:2]
-    for y in prange(height):
-        own = circles.dtype.type
-        row, wy = _centre(y, fine_height, height)
-        for x in range(width):
-            column, wx = _centre(x, fine_width, width)
-            here = _tap(circles, column, row, own(wx), own(wy), 0)
-            largest = own(0)
-            for j in range(-1, 2):
-                for i in range(-1, 2):
-                    tap = _tap(circles, column + i, row + j, own(wx), own(wy), 0)
-                    if tap < own(0) and tap < here:
-                        largest = max(largest, _tap(circles, column + i, row + j, own(wx), own(wy), 1))
-            out[y, x] = largest
+    own = circles.dtype.type
+    row, wy = _centre(y, fine_height, height)
+    for x in range(width):
+        column, wx = _centre(x, fine_width, width)
+        here = _tap(circles, column, row, own(wx), own(wy), 0)
+        largest = own(0)
+        for j in range(-1, 2):
+            for i in range(-1, 2):
+                tap = _tap(circles, column + i, row + j, own(wx), own(wy), 0)
+                if tap < own(0) and tap < here:
+                    largest = max(largest, _tap(circles, column + i, row + j, own(wx), own(wy), 1))
+        out[y, x] = largest
 
 
 @inline
