@@ -1,5 +1,6 @@
 """Anisotropic mip chains: a blurred background takes nothing from what is sharp in front of it.
 
+0. copy the picture and its circles into level 0                             `begin`
 1. halve circles of confusion with a 3 x 3 Gaussian                          `halve`
 2. halve colour with the same one, without taps that are sharper             `halve`
 3. find the largest blur among nearer neighbours, for the last level         `foreground_blur`
