@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from refdof import _jit
+from refdof import _jit, _vectors
 
 PACKAGE = Path(_jit.__file__).parent
 
@@ -94,3 +94,46 @@ def test_four_channels_at_once_are_a_bilinear_read_of_each(dtype):
     a, b, c, d = texels[list(places)].astype(float)
     expected = np.arange(4) + 3 * (0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d))
     np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # six roundings
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_weighed_texels_are_the_sum_of_each_channel(dtype):
+    texels, weights = np.random.default_rng(2).random((7, 4)).astype(dtype), tuple(dtype(k) for k in (0.5, 2, 3))
+    found = weigh(texels, (6, 0, 3), weights)
+    expected = np.array([0.5, 2.0, 3.0]) @ texels[[6, 0, 3]].astype(float)
+    np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # five roundings
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("size", [(1, 1), (1, 5), (4, 1), (6, 7)])
+def test_a_circle_is_nine_bilinear_reads_cut_at_the_border(size, dtype):
+    height, width = size
+    texels = np.random.default_rng(3).random((2 + height * width + 1, 4)).astype(dtype)
+    level = texels[2:-1].astype(float).reshape(height, width, 4)
+    near, side, far = 0.25, 0.125, 0.0625
+    for u, v, a, b in [(3.25, 2.5, 1.5, 0.75), (0.5, 0.5, 0.0, 0.0), (7.0, 6.0, 2.0, 9.0), (0.0, 1.25, 1.0, 0.5)]:
+        found = circle(texels, 2, width, height, *map(dtype, (u, v, a, b)), tuple(map(dtype, (near, side, far))))
+        expected = near * bilinear(level, u, v)
+        for x, y in [(1, 0), (-1, 0), (0, 1), (0, -1)]:
+            expected += side * bilinear(level, u + x * a, v + y * b)
+        for x, y in [(1, 1), (-1, 1), (1, -1), (-1, -1)]:
+            expected += far * bilinear(level, u + x * a * np.sqrt(0.5), v + y * b * np.sqrt(0.5))
+        # Places of a few texels in a type of 24 or 53 bits, neighbours that differ by up to 1.
+        np.testing.assert_allclose(found, expected[:3], rtol=0, atol=20 * np.finfo(dtype).eps)
+
+
+def bilinear(level, u, v):
+    """Clamped to the edge, with tents of one texel."""
+    y, x = (np.clip(place - 0.5, 0, side - 1) for place, side in zip((v, u), level.shape, strict=False))
+    rows, columns = (np.maximum(0, 1 - abs(np.arange(n) - at)) for at, n in ((y, level.shape[0]), (x, level.shape[1])))
+    return np.einsum("y,x,yxc->c", rows, columns, level)
+
+
+@_jit.tile_kernel
+def weigh(texels, places, weights):
+    return _vectors.weigh_texels(texels, places, weights)
+
+
+@_jit.tile_kernel
+def circle(texels, start, width, height, u, v, a, b, shares):
+    return _vectors.read_circle(texels, start, width, height, u, v, a, b, shares)

@@ -42,7 +42,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.fetches import LARGEST_RADIUS, level_shares
 from refdof.methods._images import as_images, within
-from refdof.raster.anisotropic import depth_of_chain, foreground_blur, halve, new_chain
+from refdof.raster.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
 from refdof.raster.gpu_model import LLVMPIPE, store
 from refdof.raster.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.trace import Trace
@@ -138,23 +138,23 @@ def fetch_units(params: Params, width: int, height: int, largest: float = LARGES
 
 
 def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
-    degree = np.abs(coc)
     height, width = coc.shape
-    last = _last_level(float(degree.max()), width, height)
+    last = _last_level(max(float(coc.max()), -float(coc.min())), width, height)
     circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))
-    circles.level(0)[..., 0], circles.level(0)[..., 1] = _rounded(coc, params), _rounded(degree, params)
-    colors.level(0)[..., :3], colors.level(0)[..., 3] = color, 0  # four channels are one register
+    begin(color, coc, colors.level(0), circles.level(0))  # four channels are one register
+    _round(circles.level(0), params)
     for k in range(last):
         halve(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
-        circles.level(k + 1)[:] = _rounded(circles.level(k + 1), params)
+        _round(circles.level(k + 1), params)
     points = params.foreground_points if last else 0
     if points:
         nearer = foreground_blur(circles.level(last - 1), int(circles.heights[last]), int(circles.widths[last]))
     else:
         nearer = np.zeros((1, 1), dtype=color.dtype)
-    smoothed = smooth_blur(circles, _rounded(nearer, params), points)
+    _round(nearer, params)
+    smoothed = smooth_blur(circles, nearer, points)
     trace.record("coc", lambda: coc)
-    trace.record("degree", lambda: degree)
+    trace.record("degree", lambda: np.abs(coc))
     trace.record("neighbours", lambda: smoothed.neighbours)
     trace.record("smoothed", lambda: smoothed.smoothed)
     trace.record("level", lambda: smoothed.levels)
@@ -170,7 +170,6 @@ def _last_level(largest: float, width: int, height: int) -> int:
     return min(math.ceil(1.0 + math.log2(K_SIGMA * largest)), depth_of_chain(width, height))  # Eq. (6)
 
 
-def _rounded(values: Float, params: Params) -> Float:
-    if params.depth_format == "f32":
-        return values
-    return store(values.astype(np.float32), "f16", LLVMPIPE).astype(values.dtype)
+def _round(values: Float, params: Params) -> None:
+    if params.depth_format == "f16":
+        values[:] = store(values.astype(np.float32), "f16", LLVMPIPE)

@@ -9,24 +9,25 @@ References
    IEEE Transactions on Visualization and Computer Graphics 15(3), equations (5) to (8) and (11).
 """
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from refdof._check import Float
-from refdof._jit import add_bilinear, borrow, inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
+from refdof._vectors import INWARD, read_circle
 from refdof.raster.anisotropic import Chain
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
 
+_ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
+_LOG2_E2 = 2.0 / np.log(2.0)
 K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
-_INWARD = math.sqrt(0.5)
 # Centre, axes, diagonals: figure 4a for G(q - p), which diagonals keep, and figure 4b for the places of reads.
 _SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
 _GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
-CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, _INWARD, 1.0) * _SQUARE
-_OFFSETS = np.array([0.0, 1.0, -1.0, _INWARD, -_INWARD])
+CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, INWARD, 1.0) * _SQUARE
+_OFFSETS = np.array([0.0, 1.0, -1.0, INWARD, -INWARD])
 _COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in _OFFSETS
 _ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
 
@@ -44,7 +45,10 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     dtype = circles.texels.dtype
     weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
     tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
-    return SmoothedBlur(*_smooth(circles.texels, *tables))
+    shape = (int(circles.heights[0]), int(circles.widths[0]))
+    blur = SmoothedBlur(*np.empty((3, *shape), dtype=dtype))
+    _smooth(circles.texels, *tables, *blur)
+    return blur
 
 
 def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
@@ -54,7 +58,9 @@ def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
     tables = _tables(colors)
     if geometric:
         return _magnify_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
-    return _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights)
+    out = np.empty((*blur.smoothed.shape, 3), dtype=dtype)
+    _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
+    return out
 
 
 def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
@@ -64,62 +70,95 @@ def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
 
 
 @kernel
-def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights):
-    """Blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights, rhos, sigmas, levels):
+    """Fill blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
 
     Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
     """
     height, width, last = heights[0], widths[0], len(starts) - 1
     own = circles.dtype.type
     reach, half = own(2.0**last), own(0.5)
-    left, beside = np.empty((5, width), dtype=np.int64), np.empty((5, width), dtype=np.int64)
+    left, beside = np.empty((5, width), dtype=np.uint32), np.empty((5, width), dtype=np.uint32)
     across = np.empty((5, width), dtype=circles.dtype)
     for i in range(5):
         for x in range(width):
             place = (own(x) + half + offsets[i] * reach) * right[last]
             left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
-    neighbours = np.empty((height, width), dtype=circles.dtype)
-    smoothed, levels = np.empty_like(neighbours), np.empty_like(neighbours)
+    texel, aside = np.empty((last + 1, width), dtype=np.uint32), np.empty((last + 1, width), dtype=np.uint32)
+    share = np.empty((last + 1, width), dtype=circles.dtype)
+    for k in range(last + 1):
+        for x in range(width):
+            texel[k, x], aside[k, x], share[k, x] = texels_around((own(x) + half) * right[k], widths[k])
     for y in prange(height):
         texels, front = borrow(circles), borrow(nearer)
-        begin, tall, broad = borrow(starts), borrow(heights), borrow(widths)
-        downward, rightward = borrow(down), borrow(right)
-        first, second, share = borrow(left), borrow(beside), borrow(across)
-        sums, rho = np.zeros((5, front.shape[1]), dtype=circles.dtype), neighbours[y]
+        firsts, seconds, shares = borrow(texel), borrow(aside), borrow(share)
+        sums, rho, sigma, lod = np.zeros((5, front.shape[1]), dtype=circles.dtype), rhos[y], sigmas[y], levels[y]
         rho[:] = own(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * downward[last], front.shape[0])
+            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
             for x in range(front.shape[1]):
                 sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
-            if not sums[i].any():
-                continue
-            line = sums[i]
-            for x in range(width):
-                a = line[first[i, x]]
-                rho[x] += a + (line[second[i, x]] - a) * share[i, x]
+            if sums[i].any():
+                _add_line(rho, sums[i], left[i], beside[i], across[i])
+        top, bottom = np.empty(last + 1, dtype=np.int64), np.empty(last + 1, dtype=np.int64)
+        sink = np.empty(last + 1, dtype=circles.dtype)
+        for k in range(last + 1):
+            first, second, sink[k] = texels_around((own(y) + half) * down[k], heights[k])
+            top[k], bottom[k] = starts[k] + first * widths[k], starts[k] + second * widths[k]
+        _levels_of(rho, own(last), lod)  # Eq. (11)
         for x in range(width):
-            sigma = texels[y * width + x, 1]
-            n = min(_level_of(rho[x]), own(last))  # Eq. (11)
-            if n > own(0):
-                level = int(n)
-                rest = n - own(level)
-                sigma = _blur_at(texels, begin, tall, broad, downward, rightward, level, x, y)
-                if rest > own(0):
-                    coarse = _blur_at(texels, begin, tall, broad, downward, rightward, level + 1, x, y)
-                    sigma += (coarse - sigma) * rest
-            smoothed[y, x], levels[y, x] = sigma, _level_of(sigma)
-    return neighbours, smoothed, levels
+            n = lod[x]
+            if n <= own(0):
+                sigma[x] = texels[top[0] + x, 1]
+                continue
+            k = int(n)
+            rest = n - own(k)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            fine = _between(
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
+            )
+            k = min(k + 1, last)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            coarse = _between(
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
+            )
+            sigma[x] = fine + (coarse - fine) * rest
+        _levels_of(sigma, own(np.inf), lod)
+
+
+@inline
+def _add_line(total, line, left, beside, across):
+    for x in range(len(total)):
+        a = line[left[x]]
+        total[x] += a + (line[beside[x]] - a) * across[x]
+
+
+@inline
+def _levels_of(sigmas, largest, out):
+    for x in range(len(out)):
+        out[x] = min(_level_of(sigmas[x]), largest)
 
 
 @kernel
-def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights):
+def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
-    out = np.empty((height, width, 3), dtype=colors.dtype)
+    own = colors.dtype.type
+    widest = own(2.0**last)
     for y in prange(height):
-        own = colors.dtype.type
-        texels, sizes, lods, shares = borrow(colors), borrow(smoothed), borrow(levels), borrow(weights)
+        texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
+        shares = (weights[0], weights[1], weights[5])
         begin, tall, broad, downward, rightward = (
             borrow(starts),
             borrow(heights),
@@ -133,45 +172,31 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
-            radius, level, beta = _circle_of(m, sizes[y, x], last)
-            total = (own(0), own(0), own(0), own(0))
-            for step in range(2 if beta > own(0) else 1):
-                k = level + step
-                weight = beta if step == 1 else own(1) - beta
-                u, v = (own(x) + own(0.5)) * rightward[k], (own(y) + own(0.5)) * downward[k]
-                a, b = radius * rightward[k], radius * downward[k]
-                base, wide, high = begin[k], broad[k], tall[k]
-                x0, x1, w0 = texels_around(u, wide)
-                x2, x3, w1 = texels_around(u + a, wide)
-                x4, x5, w2 = texels_around(u - a, wide)
-                x6, x7, w3 = texels_around(u + own(_INWARD) * a, wide)
-                x8, x9, w4 = texels_around(u - own(_INWARD) * a, wide)
-                near, side, far = weight * shares[0], weight * shares[1], weight * shares[5]
-                y0, y1, h = _rows(v, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, near)
-                total = add_bilinear(total, texels, y0 + x2, y0 + x3, y1 + x2, y1 + x3, w1, h, side)
-                total = add_bilinear(total, texels, y0 + x4, y0 + x5, y1 + x4, y1 + x5, w2, h, side)
-                y0, y1, h = _rows(v + b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
-                y0, y1, h = _rows(v - b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x0, y0 + x1, y1 + x0, y1 + x1, w0, h, side)
-                y0, y1, h = _rows(v + own(_INWARD) * b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
-                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
-                y0, y1, h = _rows(v - own(_INWARD) * b, high, base, wide)
-                total = add_bilinear(total, texels, y0 + x6, y0 + x7, y1 + x6, y1 + x7, w3, h, far)
-                total = add_bilinear(total, texels, y0 + x8, y0 + x9, y1 + x8, y1 + x9, w4, h, far)
-            out[y, x, 0], out[y, x, 1], out[y, x, 2] = total[0], total[1], total[2]
-    return out
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
+            u, v = own(x) + own(0.5), own(y) + own(0.5)
+            a, b = rightward[level], downward[level]
+            fine = read_circle(
+                texels, begin[level], broad[level], tall[level], u * a, v * b, radius * a, radius * b, shares
+            )
+            if beta > own(0):
+                k = level + np.uint32(1)
+                a, b = rightward[k], downward[k]
+                coarse = read_circle(texels, begin[k], broad[k], tall[k], u * a, v * b, radius * a, radius * b, shares)
+                out[y, x, 0] = fine[0] + (coarse[0] - fine[0]) * beta
+                out[y, x, 1] = fine[1] + (coarse[1] - fine[1]) * beta
+                out[y, x, 2] = fine[2] + (coarse[2] - fine[2]) * beta
+            else:
+                out[y, x, 0], out[y, x, 1], out[y, x, 2] = fine
 
 
 @kernel
 def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
     """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
     height, width, last = heights[0], widths[0], len(starts) - 1
+    own = colors.dtype.type
+    widest = own(2.0**last)
     out = np.zeros((height, width, 3), dtype=colors.dtype)
     for y in prange(height):
-        own = colors.dtype.type
         texels, sizes = borrow(colors), borrow(smoothed)
         for x in range(width):
             m = levels[y, x]
@@ -179,7 +204,7 @@ def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, l
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
-            radius, level, beta = _circle_of(m, sizes[y, x], last)
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
             for k in range(9):
                 u, v = own(x) + own(0.5) + circle[k, 0] * radius, own(y) + own(0.5) + circle[k, 1] * radius
                 fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
@@ -194,15 +219,15 @@ def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, l
 
 
 @inline
-def _circle_of(m, sigma, last):
+def _circle_of(m, sigma, last, widest):
     """Radius of the circle [px], the level one below `m` > 0, and the weight of the next.
 
     Below m = 1 there is no lower level: the circle shrinks instead. Above, 2^(m - 1) is K_SIGMA sigma.
     """
     own = type(m)
-    radius = min(own(K_SIGMA) * sigma, own(2.0**last)) if m > own(1) else m
+    radius = min(own(K_SIGMA) * sigma, widest) if m > own(1) else m
     lod = min(max(m - own(1), own(0)), own(last))
-    level = int(lod)
+    level = np.uint32(lod)
     return radius, level, lod - own(level)
 
 
@@ -210,7 +235,21 @@ def _circle_of(m, sigma, last):
 def _level_of(sigma):
     """Equation (6): the continuous level of a degree of blur [px]."""
     scaled = K_SIGMA * np.float64(sigma)
-    return type(sigma)(1.0 + np.log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+    return type(sigma)(1.0 + _log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+
+
+@inline
+def _log2(value):
+    """Logarithm of a float64 > 0, correct to 2^-52 and without a branch, so that a row takes it in vectors."""
+    bits = np.float64(value).view(np.int64)
+    exponent = (bits - _ROOT_HALF) >> 52
+    mantissa = np.int64(bits - (exponent << 52)).view(np.float64)  # sqrt(1/2) .. sqrt(2)
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    t = s * s  # below 0.0295; the first term left out is 2e-17 of the sum
+    series = 1.0 / 19.0
+    for k in (17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0):
+        series = series * t + 1.0 / k
+    return np.float64(np.int32(exponent)) + _LOG2_E2 * (s + s * t * series)
 
 
 @inline
@@ -228,13 +267,6 @@ def texels_around(place, size):
 
 
 @inline
-def _rows(place, size, base, stride):
-    """`texels_around` of rows, as the places of their first texels in a chain."""
-    first, second, weight = texels_around(place, size)
-    return base + first * stride, base + second * stride, weight
-
-
-@inline
 def _color_at(texels, starts, heights, widths, down, right, level, u, v):
     """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
     x, x1, wx = texels_around(u * right[level], widths[level])
@@ -246,16 +278,6 @@ def _color_at(texels, starts, heights, widths, down, right, level, u, v):
         _between(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
         _between(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
     )
-
-
-@inline
-def _blur_at(texels, starts, heights, widths, down, right, level, x, y):
-    """Degree of blur of one level at the centre of pixel (x, y)."""
-    own = type(down[0])
-    i, i1, wx = texels_around((own(x) + own(0.5)) * right[level], widths[level])
-    j, j1, wy = texels_around((own(y) + own(0.5)) * down[level], heights[level])
-    first, second = starts[level] + j * widths[level], starts[level] + j1 * widths[level]
-    return _between(texels[first + i, 1], texels[first + i1, 1], texels[second + i, 1], texels[second + i1, 1], wx, wy)
 
 
 @inline
