@@ -63,10 +63,11 @@ def as_float(
     except (TypeError, ValueError):
         raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None
     _check_shape(name, array.shape, shape)
-    if not nan and np.isnan(array).any():
-        raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
-    if finite and not np.isfinite(array).all():
-        raise InputError(f"{name}: has {int(np.isinf(array).sum())} infinite values; only finite ones are allowed")
+    if not np.isfinite(array).all():
+        if not nan and np.isnan(array).any():
+            raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
+        if finite and np.isinf(array).any():
+            raise InputError(f"{name}: has {int(np.isinf(array).sum())} infinite values; only finite ones are allowed")
     if minimum is not None and array.size and array.min() < minimum:
         raise InputError(f"{name}: smallest value is {array.min():g}; allowed are values >= {minimum:g}")
     return array

@@ -31,7 +31,9 @@ def as_images(color: Float, depth: Float, coc: Float) -> tuple[Float, Float, Flo
 def within(dtype: type, circles: Float) -> Float:
     """`circles` as `dtype`, cut at a quarter of its largest number."""
     limit = np.finfo(dtype).max / 4
-    return np.clip(circles, -limit, limit).astype(dtype)
+    if circles.min() < -limit or circles.max() > limit:
+        circles = np.clip(circles, -limit, limit)
+    return circles.astype(dtype, copy=False)
 
 
 def depth_in_range(depth: Float) -> Float:
