@@ -27,7 +27,7 @@ References
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -159,7 +159,7 @@ def layer_bounds(nearest: float, farthest: float, spacing: float, count: int | N
     return bounds.astype(np.float32)
 
 
-def copies(layers: Decomposition) -> Index:
+def copies(layers: Decomposition) -> Any:
     """Fragments that the layer before holds, too: (K, H, W) bool."""
     out = np.zeros(layers.coc.shape, dtype=np.bool_)
     for k in np.flatnonzero(np.diff(layers.layer) == 1) + 1:
