@@ -50,7 +50,7 @@ def layers_of(depth, farthest, coc_of, bounds, overlap):
 def ray_hit(coc, near, far, px, py, vx, vy, wall, discard):
     """(layer, row, column, c) of the first texel that a ray meets, out of all texels of all layers, front to back.
 
-    Layer -1: none; -2: the ray leaves the image first.
+    Layer -1: none; -2: the ray leaves the image first. Without `discard` texels at the border are endless.
     """
     height, width = coc.shape[1:]
     row, column = np.mgrid[:height, :width].astype(np.float64)
@@ -60,8 +60,8 @@ def ray_hit(coc, near, far, px, py, vx, vy, wall, discard):
         if discard and any(not (0 <= x < width and 0 <= y < height) for x, y in ends):
             return -2, -1, -1, math.inf
         # The part of the ray inside each column of texels and each row of texels.
-        enter_x, leave_x = _inside(column, px, -vx)
-        enter_y, leave_y = _inside(row, py, vy)
+        enter_x, leave_x = _inside(column, width, px, -vx, not discard)
+        enter_y, leave_y = _inside(row, height, py, vy, not discard)
         enter, leave = np.maximum(np.maximum(enter_x, enter_y), a), np.minimum(np.minimum(leave_x, leave_y), b)
         top = coc[k].astype(np.float64)
         met = (enter <= leave) & (top <= leave) & (top >= enter - wall)
@@ -74,12 +74,14 @@ def ray_hit(coc, near, far, px, py, vx, vy, wall, discard):
     return -1, -1, -1, math.inf
 
 
-def _inside(index, start, slope):
-    """Range of c in which start + slope c lies in index .. index + 1."""
+def _inside(index, count, start, slope, endless):
+    """Range of c in which start + slope c lies in index .. index + 1; the first and last index may be endless."""
+    low = np.where(endless & (index == 0), -np.inf, index)
+    high = np.where(endless & (index == count - 1), np.inf, index + 1)
     if slope == 0:
-        inside = (index <= start) & (start < index + 1)
+        inside = (low <= start) & (start < high)
         return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
-    a, b = (index - start) / slope, (index + 1 - start) / slope
+    a, b = (low - start) / slope, (high - start) / slope
     return np.minimum(a, b), np.maximum(a, b)
 
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import stage
 
-from refdof import Aperture, InputError, Material, Part, ThinLens, View, render
+from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, reference, render
 from refdof.lens_pattern import LensPattern, lens_pattern
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
-from refdof.methods.multiview import Params
+from refdof.methods.multiview import Params, _texel_bytes
 from refdof.raster.decomposition import decompose, layer_bounds
 from refdof.raster.height_field import Search, fields_of
 
@@ -133,7 +133,7 @@ def test_colours_are_the_pinholes_where_the_nearest_surface_is_in_its_layer():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("wall", "discard"), [(0.5, True), (np.inf, True), (0.0, True)])
+@pytest.mark.parametrize(("wall", "discard"), [(0.5, True), (np.inf, True), (0.0, True), (0.5, False), (0.0, False)])
 def test_march_hits_what_the_twin_hits(seed, wall, discard):
     coc, near, far = random_fields(seed)
     points = lens(5, seed)
@@ -147,18 +147,63 @@ def test_march_hits_what_the_twin_hits(seed, wall, discard):
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("smooth", [False, True])
-@pytest.mark.parametrize(("wall", "middle"), [(0.5, False), (0.5, True), (np.inf, False)])
-def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle):
+@pytest.mark.parametrize(
+    ("wall", "middle", "discard"), [(0.5, False, True), (0.5, True, True), (np.inf, False, True), (0.5, False, False)]
+)
+def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle, discard):
     coc, near, far = random_fields(seed, smooth=smooth, full=smooth)
     points = lens(5, seed)
-    search = SEARCH._replace(thickness=wall, middle=middle)
+    search = SEARCH._replace(thickness=wall, middle=middle, discard=discard)
     hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
-    layer, texel = twin_hits(coc, near, far, points, wall, True)
+    layer, texel = twin_hits(coc, near, far, points, wall, discard)
     sure = ~hits.ambiguous
     np.testing.assert_array_equal(hits.layer[sure], layer[sure])
     np.testing.assert_array_equal(hits.texel[sure], texel[sure])
     # Noise with holes is doubt itself; slopes are what scenes are made of.
     assert sure.mean() > (0.8 if smooth else 0.2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("wall", [0.5, np.inf])
+def test_without_bisection_a_crossing_inside_the_layer_is_in_doubt(seed, wall):
+    coc, near, far = random_fields(seed, smooth=True, full=True)
+    fields, pattern = fields_of(coc, near, far, 1.0), one_set(lens(5, seed))
+    search = SEARCH._replace(thickness=wall, bisections=0, steps=1, discard=False)
+    hits = trace_hits(fields, pattern, search)
+    exact = trace_hits(fields, pattern, search._replace(march=True))
+    sure = ~hits.ambiguous
+    np.testing.assert_array_equal(hits.texel[sure], exact.texel[sure])
+    np.testing.assert_array_equal(hits.layer[sure], exact.layer[sure])
+    assert hits.layer.dtype == np.int32
+
+
+@pytest.mark.parametrize("largest", [1e6, 1e20, 4e37])
+@pytest.mark.parametrize("march", [False, True])
+def test_rays_far_outside_the_image_see_its_border(largest, march):
+    # Every ray strays so far that it sees one of the four corners; y is up in the lens.
+    coc = np.full((1, 4, 5), -largest, np.float32)
+    points = np.array([[0.5, 0.25], [-0.5, 0.25], [0.5, -0.25], [-0.5, -0.25]])
+    bound = coc[:, 0, 0].copy()
+    search = SEARCH._replace(march=march, discard=False)
+    hits = trace_hits(fields_of(coc, bound, bound, 1.0), one_set(points), search)
+    np.testing.assert_array_equal(hits.texel, np.broadcast_to([4, 0, 19, 15], (4, 5, 4)))
+    # From one end of a layer to the other the walk crosses the image; all of it is empty but one corner.
+    coc[:] = np.inf
+    coc[0, 3, 4] = largest
+    wide = trace_hits(fields_of(coc, bound, -bound, 1.0), one_set(points), search)
+    np.testing.assert_array_equal(wide.texel, np.broadcast_to([-1, 19, -1, -1], (4, 5, 4)))
+
+
+@pytest.mark.parametrize("radius", [1e15, 1e38, 1e40, 1e300])
+@pytest.mark.parametrize("layers", [1, 2])
+def test_circles_of_confusion_beyond_float32_are_the_largest_that_it_holds(radius, layers):
+    shot = stage.camera(4, 3, 4.0)
+    cards = [stage.rectangle(-99, 99, -99, 99, depth, (depth, 0, 0)) for depth in (2.0, 3.0)]
+    scene = stage.scene_of(cards, shot, background=(0, 1, 0))
+    words = {"samples": 4, "layers": layers, "offscreen": "clamp", "stages": True}
+    done = render("multiview", scene, shot, ThinLens(radius, 1.0), **words)
+    assert np.isfinite(done.stages["layer_coc"]).all()
+    np.testing.assert_array_equal(done.image[..., 1], 0.0)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -241,6 +286,44 @@ def test_mean_over_the_lens_matches_the_twin():
 
 
 # --- the method
+
+
+def test_each_lens_ray_shades_along_its_own_direction():
+    # The lens is open in its upper left quarter only, and the mirrored environment differs along x and along y.
+    ramp = np.linspace(0.0, 1.0, 16, dtype=np.float32)
+    environment = np.stack([*np.meshgrid(ramp, ramp**2), np.zeros((16, 16))], axis=-1).astype(np.float32)
+    light = Light((0, 0, 1), sun=(0, 0, 0), sky=(0, 0, 0), ground=(0, 0, 0), environment=environment)
+    corners = np.array([[-9, -9, -2.0], [9, -9, -2.0], [9, 9, -2.0], [-9, 9, -2.0]])
+    mirror = Part(corners, [[0, 1, 2], [0, 2, 3]], Material("phong", (0, 0, 0), specular=(1, 1, 1)))
+    shot, thin = stage.camera(6, 4, 6.0), ThinLens(0.5, 1.5, Aperture.image(np.array([[1.0, 0.0], [0.0, 0.0]])))
+    scene = stage.scene_of([mirror], shot, thin, light=light)
+    exact = reference(scene, samples=256).image
+    words = {"offscreen": "clamp", "view_dependent": True}
+    image = render("multiview", scene, samples=256, jitter="none", pattern="sobol", **words).image
+    # About 64 of 256 points meet the opening, over which the environment varies by less than 1: 64^-0.75.
+    np.testing.assert_allclose(image, exact, rtol=0, atol=0.05)
+
+
+def test_what_lies_beyond_the_far_plane_is_empty():
+    view, _ = random_scene(3)
+    stages = render("multiview", view.scene, stages=True, samples=1, near=0.9, far=2.0).stages
+    np.testing.assert_array_equal(stages["source_triangle"] < 0, np.isinf(stages["source_coc"]))
+    assert (stages["source_triangle"] >= 0).any()
+
+
+def test_without_surfaces_there_are_no_layers():
+    shot = stage.camera(*SIZE, P)
+    done = render("multiview", stage.scene_of([], shot, background=(0.5, 0.25, 1)), shot, stages=True, samples=1)
+    assert done.stages["bounds"].shape == (1,)
+    np.testing.assert_array_equal(done.image, np.broadcast_to(np.float32([0.5, 0.25, 1]), done.image.shape))
+
+
+def test_memory_per_texel_by_hand():
+    # 20 bytes of heights, triangles and search structures, 4 per channel, and 11 per channel of the mipmaps.
+    assert _texel_bytes(Params()) == 20 + 4 * 3
+    assert _texel_bytes(Params(cones="paper")) == 20 + 4 * 3 + 11 * 5
+    assert _texel_bytes(Params(view_dependent=True)) == 20 + 4 * 13
+    assert _texel_bytes(Params(view_dependent=True, cones="text")) == 20 + 4 * 13 + 11 * 15
 
 
 def test_triangle_order_changes_no_bit():
@@ -335,13 +418,13 @@ def test_no_geometry_in_the_range():
 
 def test_more_layers_than_memory_allows():
     view, _ = random_scene(1)
-    with pytest.raises(InputError, match=r"spacing_px: got 1e-06 .* makes \d+ layers; allowed are at most 65536"):
+    with pytest.raises(InputError, match=r"spacing_px: got 1e-06 .* makes \S+ layers; allowed are at most 65536"):
         render("multiview", view.scene, spacing_px=1e-6)
     big = view.camera.with_size((20000, 15000))
     from refdof.raster.decomposition import _check_memory
 
     with pytest.raises(InputError, match=r"4 layers of 20000x15000 px, about 35.8 GiB; allowed are 8 GiB"):
-        _check_memory(4, big)
+        _check_memory(4, big, 32)
 
 
 def test_near_and_far_cut_the_scene():

@@ -1,7 +1,13 @@
 """Cones of the multiview method: rays with a width, that blend what covers them front to back.
 
-1. average colours (or attributes) and coverage over squares of texels   `mip_chain`
-2. follow each cone's middle ray from hit to hit, until nothing is left  `gather_cones`
+1. average colours (or attributes) and coverage over squares of texels       `mip_chain`
+2. follow each cone's middle ray from layer to layer, until nothing is left  `gather_cones`
+
+A layer blends what covers the cone where its search ended, be the texel there filled or empty: if cones whose middle
+ray meets a hole passed whole, thin objects would be dimmed twice.
+
+Layers overlap. A layer does not count fragments that the layer before holds, too, or half-transparent squares would be
+blended twice; its own ones cover their share of the part of the cone that is free of those copies.
 
 References
 ----------
@@ -16,41 +22,44 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.lens_pattern import LensPattern
-from refdof.methods._multiview_trace import ray_tangents
-from refdof.raster.attributes import shade_attributes
+from refdof.methods._multiview_trace import light_of, pinhole_layer, ray_tangents
+from refdof.raster.coverage import coverage_mipmaps
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.raster.mipmap import generate_mipmaps
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["MipChain", "gather_cones", "mip_chain"]
+__all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
 
 _ROWS_PER_TASK = 8
-_NOTHING_LEFT = 1e-5  # of a cone: what is still to come cannot change the picture
+FOOTPRINT = 6.0  # How far beside a cone's middle the mip levels that it reads reach, at most [its diameter]
+_ROUNDING = 2.0**-22  # of coverage in float32: less than one hole in 1024 x 1024 texels
 
 
 class MipChain(NamedTuple):
-    """Mip levels of K layers in one list: texels (K, T, C + 1) float32, premultiplied, coverage last;
-    level (M, 3) int64: first texel, width and height of each.
+    """Mip levels of K layers in one list: texels (K, T, C + 2) float32, premultiplied, then coverage by fragments that
+    the layer before lacks, and coverage by all; level (M, 3) int64: first texel, width and height.
     """
 
     texels: Float
     level: Index
 
 
-def mip_chain(surface: Float, coc: Float, widest: float) -> MipChain:
-    """Mip levels of layers' colours or attributes (K, H, W, C), as far as cones of `widest` diameter [px] need."""
+def mip_chain(surface: Float, coc: Float, copied: Index, widest: float) -> MipChain:
+    """Mip levels of layers' colours or attributes (K, H, W, C), as far as cones of `widest` diameter [px] need.
+
+    `copied` (K, H, W) tells what the layer before holds, too.
+    """
     most = 2 + math.ceil(math.log2(max(widest, 1.0)))
-    covered = np.isfinite(coc)
     layers, shapes = [], []
-    for values, filled in zip(surface, covered, strict=True):
-        image = np.concatenate([np.where(filled[..., None], values, 0), filled[..., None]], axis=-1)
-        levels = generate_mipmaps(image.astype(np.float32))[:most]
+    for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
+        own = (filled & ~copy)[..., None]
+        image = np.concatenate([np.where(own, values, 0), own], axis=-1, dtype=np.float32)
+        levels = coverage_mipmaps(image, filled)[:most]
         shapes = [(level.shape[1], level.shape[0]) for level in levels]
         layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
     first = np.cumsum([0, *(width * height for width, height in shapes)])[:-1]
     table = np.array([(f, *shape) for f, shape in zip(first, shapes, strict=True)], dtype=np.int64).reshape(-1, 3)
-    texels = np.stack(layers) if layers else np.zeros((0, 0, surface.shape[3] + 1), dtype=np.float32)
+    texels = np.stack(layers) if layers else np.zeros((0, 0, surface.shape[3] + 2), dtype=np.float32)
     return MipChain(texels, table)
 
 
@@ -69,6 +78,7 @@ def gather_cones(
     out = np.empty((height, width, 3), dtype=np.float32)
     table = tuple(float(c) for c in background)
     points, weights = pattern.points.astype(fields.coc.dtype), pattern.weights
+    search = search._replace(holes=True)
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
@@ -97,20 +107,20 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
             for n in range(points.shape[1]):
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 through, place = weight, -1  # the part of the cone that goes on
-                while through > _NOTHING_LEFT * weight:
+                while through > 0.0:
                     place, _, _, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
                     if place < 0:
                         break
                     diameter = widening * abs(c)
                     _read(texels[layers[place]], level, px - c * vx, py + c * vy, diameter, found)
-                    cover = found[-1]
-                    if cover <= 0.0:
+                    own, free = found[-2], 1.0 - (found[-1] - found[-2])
+                    if own <= 0.0:
                         continue
-                    for channel in range(len(found) - 1):
-                        found[channel] /= cover
+                    for channel in range(len(found) - 2):
+                        found[channel] /= own
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
-                    r, g, b = _light(surfaces, found, dx, dy)
-                    part = through * min(cover, 1.0)
+                    r, g, b = light_of(surfaces, found, dx, dy)
+                    part = through * own / free if own < free - _ROUNDING else through
                     red, green, blue = red + part * r, green + part * g, blue + part * b
                     through -= part
                 if place == -1:
@@ -125,25 +135,17 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
             if total == 0.0:
                 red, green, blue = background
                 total = 1.0
-                for k in range(len(fields.coc) - 1, -1, -1):
-                    if fields.coc[k, y, x] < np.inf:
-                        dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
-                        found[:] = texels[k, y * out.shape[1] + x]
-                        red, green, blue = _light(surfaces, found, dx, dy)
+                k = pinhole_layer(fields, x, y)
+                if k >= 0:
+                    dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+                    found[:] = texels[k, y * out.shape[1] + x]
+                    red, green, blue = light_of(surfaces, found, dx, dy)
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 
 @inline
-def _light(surfaces, found, dx, dy):
-    """A mean colour, or mean attributes shaded along the ray; the last entry is coverage."""
-    if len(found) == 4:
-        return found[0], found[1], found[2]
-    return shade_attributes(surfaces, found, dx, dy, -1.0)
-
-
-@inline
 def _read(texels, level, px, py, diameter, out):
-    """Write the trilinear mean around (px, py) of level 0 into out (C + 1,), clamped at the border."""
+    """Write the trilinear mean around (px, py) of level 0 into out (C + 2,), clamped at the border."""
     detail = min(math.log2(max(diameter, 1.0)), len(level) - 1.0)
     coarse = min(int(detail) + 1, len(level) - 1)
     fine, blend = int(detail), detail - int(detail)

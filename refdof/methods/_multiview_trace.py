@@ -10,19 +10,19 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.lens_pattern import LensPattern
-from refdof.raster.attributes import shade_attributes
+from refdof.raster.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.raster.ray_doubt import in_doubt
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["Hits", "culled_layers", "gather", "ray_tangents", "trace_hits"]
+__all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_layer", "ray_tangents", "trace_hits"]
 
 _ROWS_PER_TASK = 8
 
 
 class Hits(NamedTuple):
-    """What each ray meets. layer (H, W, N) int16: -1 the background, -2 not known, as the ray leaves the image;
+    """What each ray meets. layer (H, W, N) int32: -1 the background, -2 not known, as the ray leaves the image;
     texel (H, W, N) int32: row * W + column, -1: none; coc (H, W, N): where along the ray [px], inf: nowhere;
     ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.raster.ray_doubt`).
     """
@@ -63,7 +63,7 @@ def trace_hits(fields: Fields, pattern: LensPattern, search: Search) -> Hits:
     """The hit of every ray."""
     shape = (*fields.coc.shape[1:], pattern.points.shape[1])
     hits = Hits(
-        np.empty(shape, np.int16),
+        np.empty(shape, np.int32),
         np.empty(shape, np.int32),
         np.empty(shape, fields.coc.dtype),
         np.empty(shape, np.bool_),
@@ -110,16 +110,16 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
                     r, g, b = background
                 else:
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
-                    r, g, b = _light(surfaces, surface[layers[place], j, i], dx, dy)
+                    r, g, b = light_of(surfaces, surface[layers[place], j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             # Where every ray leaves the image, show what the pinhole sees.
             if total == 0.0:
                 red, green, blue = background
                 total = 1.0
-                for k in range(len(fields.coc) - 1, -1, -1):
-                    if fields.coc[k, y, x] < np.inf:
-                        dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
-                        red, green, blue = _light(surfaces, surface[k, y, x], dx, dy)
+                k = pinhole_layer(fields, x, y)
+                if k >= 0:
+                    dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+                    red, green, blue = light_of(surfaces, surface[k, y, x], dx, dy)
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 
@@ -132,9 +132,18 @@ def ray_tangents(shot, x, y, vx, vy):
 
 
 @inline
-def _light(surfaces, surface, dx, dy):
-    """A texel's colour, or its attributes shaded along the ray."""
-    if len(surface) == 3:
+def pinhole_layer(fields, x, y):
+    """The first layer that is not empty at pixel (x, y); -1: none."""
+    for k in range(len(fields.coc)):
+        if fields.coc[k, y, x] < np.inf:
+            return k
+    return -1
+
+
+@inline
+def light_of(surfaces, surface, dx, dy):
+    """A texel's colour, or its attributes shaded along the ray; further channels have no part."""
+    if len(surface) < ATTRIBUTES:
         return np.float64(surface[0]), np.float64(surface[1]), np.float64(surface[2])
     return shade_attributes(surfaces, surface, dx, dy, -1.0)
 

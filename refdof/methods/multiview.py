@@ -13,7 +13,7 @@ c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "la
 linear RGB or attributes (`refdof.raster.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2), "lens_weights"
 (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N): `refdof.raster.ray_doubt`. With
-cones: "mip_texels" (K, T, C + 1), "mip_levels" (M, 3), and hits are the first ones of the cones' middle rays.
+cones: "mip_texels" (K, T, C + 2), "mip_levels" (M, 3), and hits are the first ones of the cones' middle rays.
 
 Departures from the paper
 -------------------------
@@ -36,6 +36,7 @@ Departures from the paper
   twice as wide as the printed 0.137 for 32 points, which is half of the mean distance to the nearest neighbour of 32
   Poisson-disc points. `cones="paper"` is the printed one, `cones="text"` the other.
 - Cones read mip levels of `glGenerateMipmap`, trilinearly; at less than one texel, the finest.
+- Cones do not blend a fragment a second time from the layer that it was copied to: see `_multiview_cones`.
 - "Distinct" pairs of a noise texel are twelve; the sixteen of the text include a number with itself.
 
 References
@@ -51,10 +52,10 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_integer, as_number
 from refdof.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
-from refdof.methods._multiview_cones import gather_cones, mip_chain
+from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
-from refdof.raster.attributes import attributes_of
-from refdof.raster.decomposition import Decomposition, decompose
+from refdof.raster.attributes import ATTRIBUTES, attributes_of
+from refdof.raster.decomposition import Decomposition, copies, decompose
 from refdof.raster.height_field import Fields, Search, fields_of
 from refdof.raster.layer_color import colors_of
 from refdof.sampling import PATTERNS, lens_samples
@@ -182,7 +183,9 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     trace.record("lens_weights", lambda: pattern.weights)
     trace.record("lens_set", lambda: pattern.set)
 
-    fields = fields_of(layers.coc, layers.near, layers.far, float(np.hypot(*pattern.points.T).max()))
+    widening = 0.0 if params.cones == "none" else cone_width(view, params)
+    largest = float(np.hypot(*pattern.points.T).max())
+    fields = fields_of(layers.coc, layers.near, layers.far, largest, FOOTPRINT * widening)
     search = Search(
         params.start == "middle",
         params.steps,
@@ -196,9 +199,8 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     rays = pattern, search, view.shot(), view.surfaces(), view.scene.background
     if params.cones == "none":
         return gather(fields, surface, *rays)
-    widening = cone_width(view, params)
     widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
-    chain = mip_chain(surface, layers.coc, widest)
+    chain = mip_chain(surface, layers.coc, copies(layers), widest)
     trace.record("mip_texels", lambda: chain.texels)
     trace.record("mip_levels", lambda: chain.level)
     return gather_cones(fields, chain, widening, *rays)
@@ -215,7 +217,9 @@ def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
     """Step 1: layers of the view."""
     layers, sources = view.product(
         f"multiview layers {_choice(params)}",
-        lambda: decompose(*view.triangles(), view.camera, view.lens, **_choice(params)),
+        lambda: decompose(
+            *view.triangles(), view.camera, view.lens, **_choice(params), texel_bytes=_texel_bytes(params)
+        ),
     )
     trace.record("bounds", lambda: layers.bounds)
     trace.record("source_coc", lambda: sources.coc)
@@ -236,6 +240,12 @@ def _choice(params: Params) -> dict[str, Any]:
         "near": params.near,
         "far": params.far,
     }
+
+
+def _texel_bytes(params: Params) -> int:
+    """Memory per texel of a layer: heights, triangles, search structures, colours or attributes, and their mipmaps."""
+    channels = ATTRIBUTES if params.view_dependent else 3
+    return 20 + 4 * channels + (0 if params.cones == "none" else 11 * (channels + 2))
 
 
 def _surface(view: View, layers: Decomposition, params: Params) -> Float:

@@ -27,7 +27,7 @@ References
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,11 +37,12 @@ from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.raster.triangles import rasterize
 
-__all__ = ["Decomposition", "Sources", "decompose", "layer_bounds"]
+__all__ = ["Decomposition", "Sources", "copies", "decompose", "layer_bounds"]
 
 _MOST_LAYERS = 65536
 _MOST_BYTES = 8 * 2**30
 _BYTES_PER_TEXEL = 32  # heights, triangles, colours and search structures
+_LARGEST = float(np.finfo(np.float32).max) / 8  # [px]: sums and differences of a few heights stay finite
 _ROUNDING = 1e-6  # of the spacing: a range this little above a whole number of layers makes no further one
 
 
@@ -81,6 +82,7 @@ def decompose(
     overlap: float = 0.1,
     near: float | None = None,
     far: float | None = None,
+    texel_bytes: int = _BYTES_PER_TEXEL,
 ) -> tuple[Decomposition, Sources]:
     """Decompose triangles into layers.
 
@@ -98,6 +100,8 @@ def decompose(
         Share of the spacing by which a layer reaches past each of its bounds, 0 .. 0.5.
     near, far : float, optional
         Planar depths [scene units] outside which nothing is drawn; None: the scene's own.
+    texel_bytes : int
+        What will be stored for each texel of a layer, to tell early whether it fits.
 
     Raises
     ------
@@ -105,16 +109,16 @@ def decompose(
         If `near` or `far` is given and nothing lies between them, or the layers would not fit into memory.
     """
     nearest, farthest = _depth_range(vertices, faces, camera, near, far)
-    if not nearest <= farthest:
-        if near is not None or far is not None:
-            raise InputError(
-                f"near, far: got {near} and {far}, and nothing is seen between; allowed is the scene's range"
-            )
-        return _nothing(camera)
-    span = lens.coc_px(np.array([nearest, farthest]), camera)
+    if not (nearest < np.inf and nearest <= farthest):
+        return _nothing(camera, near, far, nearest, farthest)
+    span = _coc(lens, np.array([nearest, farthest]), camera)
     bounds = layer_bounds(float(span[0]), float(span[1]), spacing, count)
-    sources = _draw_sources(vertices, faces, camera, lens, near, bounds)
-    sources.coc[sources.coc > bounds[-1]] = np.inf  # beyond the far plane
+    sources = _draw_sources(vertices, faces, camera, lens, near, bounds, texel_bytes)
+    if far is None:
+        inside = sources.coc < np.inf
+        np.minimum(sources.coc, bounds[-1], out=sources.coc, where=inside)  # roundings
+    beyond = sources.coc > bounds[-1]
+    sources.coc[beyond], sources.triangle[beyond] = np.inf, -1
 
     margin = bounds.dtype.type(overlap * (span[1] - span[0]) / (len(bounds) - 1) if count else overlap * spacing)
     low, high = bounds[:-1] - margin, bounds[1:] + margin
@@ -122,8 +126,8 @@ def decompose(
     _mark(sources.coc, bounds, low, high, used)
     layer = np.flatnonzero(used)
     if not len(layer):
-        raise _empty_range(near, far)
-    _check_memory(len(layer), camera)
+        return _nothing(camera, near, far, nearest, farthest)
+    _check_memory(len(layer), camera, texel_bytes)
     slot = np.cumsum(used) - 1
     coc = np.full((len(layer), camera.height, camera.width), np.inf, dtype=np.float32)
     triangle = np.full(coc.shape, -1, dtype=np.int32)
@@ -146,13 +150,22 @@ def layer_bounds(nearest: float, farthest: float, spacing: float, count: int | N
         if not wanted <= _MOST_LAYERS:
             raise InputError(
                 f"spacing_px: got {spacing:g} for circles of confusion of {nearest:g} .. {farthest:g} px, which makes "
-                f"{wanted:.0f} layers; allowed are at most {_MOST_LAYERS}: a wider spacing, or `layers`"
+                f"{wanted:g} layers; allowed are at most {_MOST_LAYERS}: a wider spacing, or `layers`"
             )
         bounds = nearest + spacing * np.arange(max(1, math.ceil(wanted - _ROUNDING)) + 1)  # Eq. (4)
     else:
         bounds = np.linspace(nearest, farthest, (count if span > 0.0 else 1) + 1)
     bounds[-1] = farthest
     return bounds.astype(np.float32)
+
+
+def copies(layers: Decomposition) -> Any:
+    """Fragments that the layer before holds, too: (K, H, W) bool."""
+    out = np.zeros(layers.coc.shape, dtype=np.bool_)
+    for k in np.flatnonzero(np.diff(layers.layer) == 1) + 1:
+        same = (layers.coc[k] == layers.coc[k - 1]) & (layers.triangle[k] == layers.triangle[k - 1])
+        out[k] = same & (layers.coc[k] < np.inf)
+    return out
 
 
 def _depth_range(
@@ -163,45 +176,60 @@ def _depth_range(
         near = float(rasterize(vertices, faces, camera).depth.min())
     if far is None:
         far = float(-vertices[faces, 2].min(initial=0.0)) if len(faces) else 0.0
-    return (near, far) if np.isfinite(near) else (near, -np.inf)
+    return near, far
 
 
-def _empty_range(near: float | None, far: float | None) -> InputError:
-    return InputError(f"near, far: got {near} and {far}, and nothing is seen between; allowed is a range with surfaces")
+def _coc(lens: ThinLens, depth: Float, camera: Camera) -> Float:
+    """Circles of confusion [px] that float32 can hold."""
+    return np.clip(lens.coc_px(depth, camera), -_LARGEST, _LARGEST)
 
 
-def _nothing(camera: Camera) -> tuple[Decomposition, Sources]:
+def _nothing(
+    camera: Camera, near: float | None, far: float | None, nearest: float, farthest: float
+) -> tuple[Decomposition, Sources]:
+    """No layers, unless that is the fault of `near` or `far`."""
+    if near is not None or far is not None:
+        raise InputError(
+            f"near, far: got {nearest:g} and {farthest:g}, and nothing is seen between; "
+            f"allowed is a range with surfaces"
+        )
     coc, triangle = (
         np.zeros((0, camera.height, camera.width), np.float32),
         np.zeros((0, camera.height, camera.width), np.int32),
     )
     none, index = np.zeros(0, np.float32), np.zeros(0, np.int64)
-    return Decomposition(coc, triangle, none, none, index, none), Sources(coc, triangle, index)
+    return Decomposition(coc, triangle, none, none, index, np.zeros(1, np.float32)), Sources(coc, triangle, index)
 
 
 def _draw_sources(
-    vertices: Float, faces: Index, camera: Camera, lens: ThinLens, near: float | None, bounds: Float
+    vertices: Float,
+    faces: Index,
+    camera: Camera,
+    lens: ThinLens,
+    near: float | None,
+    bounds: Float,
+    texel_bytes: int,
 ) -> Sources:
     """Draw each triangle into the layer of its farthest vertex; layers without triangles are left out."""
     farthest = -vertices[faces, 2].min(axis=1)
     ahead = np.flatnonzero(farthest > (near or 0.0))
-    coc = lens.coc_px(farthest[ahead], camera).astype(np.float32)
+    coc = _coc(lens, farthest[ahead], camera).astype(np.float32)
     home = np.clip(np.searchsorted(bounds, coc, side="right") - 1, 0, len(bounds) - 2)
     layers = np.unique(home)
-    _check_memory(len(layers), camera)
+    _check_memory(len(layers), camera, texel_bytes)
     shape = (len(layers), camera.height, camera.width)
     sources = Sources(np.full(shape, np.inf, np.float32), np.full(shape, -1, np.int32), layers)
     for k, layer in enumerate(layers):
         chosen = ahead[home == layer]
         drawn = rasterize(vertices, faces[chosen], camera, near=near)
         filled = drawn.triangle >= 0
-        sources.coc[k][filled] = lens.coc_px(drawn.depth[filled], camera)
+        sources.coc[k][filled] = _coc(lens, drawn.depth[filled], camera)
         sources.triangle[k][filled] = chosen[drawn.triangle[filled]]
     return sources
 
 
-def _check_memory(count: int, camera: Camera) -> None:
-    needed = count * camera.width * camera.height * _BYTES_PER_TEXEL
+def _check_memory(count: int, camera: Camera, texel_bytes: int) -> None:
+    needed = count * camera.width * camera.height * texel_bytes
     if needed > _MOST_BYTES:
         raise InputError(
             f"spacing_px: got {count} layers of {camera.width}x{camera.height} px, about {needed / 2**30:.1f} GiB; "

@@ -26,7 +26,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.raster.nbuffer import lowest_in, n_buffer
 
-__all__ = ["Fields", "Search", "borrow_fields", "fields_of", "next_hit", "step", "visit"]
+__all__ = ["Fields", "Search", "borrow_fields", "fields_of", "first_texel", "next_hit", "step", "visit"]
 
 _BLOCK = 4  # [px] of the N-buffers: windows grow by up to 3 px, memory shrinks sixteenfold
 
@@ -48,7 +48,8 @@ class Fields(NamedTuple):
 class Search(NamedTuple):
     """How to search: whether to begin in the middle of a layer; steps of false position and of bisection; highest wall
     that is surface [px]; whether to march instead; whether to cull; whether rays that leave the image are dropped
-    (else the image's border goes on).
+    (else the image's border goes on); whether a layer that the ray leaves over an empty texel counts as met, where the
+    search ended.
     """
 
     middle: bool
@@ -58,11 +59,15 @@ class Search(NamedTuple):
     march: bool
     culling: bool
     discard: bool
+    holes: bool = False
 
 
-def fields_of(coc: Float, near: Float, far: Float, largest: float) -> Fields:
-    """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc."""
-    extent = np.ceil(np.maximum(np.abs(near), np.abs(far)).astype(np.float64) * largest)
+def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0) -> Fields:
+    """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc.
+
+    Rays read up to `widening` times the circle of confusion beside them.
+    """
+    extent = np.ceil(np.maximum(np.abs(near), np.abs(far)).astype(np.float64) * (largest + widening))
     reach = np.minimum(extent, max(coc.shape[1:])).astype(np.int64) + 1
     window = 2 * int(reach.max(initial=0)) + 1
     levels = [n_buffer(layer, extremes="min", largest=window, block=_BLOCK).lowest for layer in coc]
@@ -106,7 +111,8 @@ def visit(fields, x, y, search, layers):
 def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
     """The first hit in layers[first:count] of the ray at (px - c vx, py + c vy).
 
-    Returns (place in `layers`, column, row, c); place -1: none, -2: the ray leaves the image.
+    Returns (place in `layers`, column, row, c); place -1: none, -2: the ray leaves the image. With `search.holes` the
+    texel may be an empty one.
     """
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     for place in range(first, count):
@@ -120,7 +126,7 @@ def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
             if k < 0:
                 continue
         if search.march:
-            x, y, c = _march(fields.coc, k, fields.near[k], fields.far[k], px, py, vx, vy, search.thickness)
+            x, y, c = _march(fields.coc, k, fields.near[k], fields.far[k], px, py, vx, vy, search)
         else:
             x, y, c = _search(fields.coc, k, fields.near[k], fields.far[k], px, py, vx, vy, search)
         if x >= 0:
@@ -170,7 +176,7 @@ def _search(coc, k, near, far, px, py, vx, vy, search):
     if not blocked:
         bx, by, top = _texel(coc, k, px, py, vx, vy, b)
         if top == np.inf:
-            return -1, 0, near
+            return (bx, by, a) if search.holes else (-1, 0, near)
     # Halve the part in which the surface comes before the ray.
     for _ in range(search.bisections):
         c = half * (a + b)
@@ -187,26 +193,36 @@ def _search(coc, k, near, far, px, py, vx, vy, search):
 
 
 @inline
-def _march(coc, k, near, far, px, py, vx, vy, thickness):
+def _march(coc, k, near, far, px, py, vx, vy, search):
     """Every texel under the ray in layer k, in order: (column, row, c) of the first top or wall; column -1: none."""
     enter, last = np.float64(near), np.float64(far)
-    x, y = math.floor(px - near * vx), math.floor(py + near * vy)
+    rows, columns = coc.shape[1], coc.shape[2]
+    x, y = first_texel(px, py, vx, vy, near, columns, rows)
     while True:
-        leave, next_x, next_y = step(px, py, vx, vy, x, y, last)
-        i, j = min(max(x, 0), coc.shape[2] - 1), min(max(y, 0), coc.shape[1] - 1)
+        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
+        i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
         height = coc[k, j, i]
-        if height <= leave and height >= enter - thickness:
+        if height <= leave and height >= enter - search.thickness:
             return i, j, coc.dtype.type(max(np.float64(height), enter))
         if leave >= last:
-            return -1, 0, near
+            return (i, j, far) if search.holes and height == np.inf else (-1, 0, near)
         enter, x, y = leave, next_x, next_y
 
 
 @inline
-def step(px, py, vx, vy, x, y, last):
+def first_texel(px, py, vx, vy, c, width, height):
+    """Column and row of the ray at c. All columns left of the image are -1, all right of it `width`; rows likewise."""
+    x, y = min(max(px - c * vx, -1), width), min(max(py + c * vy, -1), height)
+    return math.floor(x), math.floor(y)
+
+
+@inline
+def step(px, py, vx, vy, x, y, last, width, height):
     """Where the ray leaves texel (x, y), at most `last`, and the texel after it: (c, column, row)."""
-    leave_x = (px - (x if vx > 0 else x + 1)) / np.float64(vx) if vx != 0 else np.inf
-    leave_y = ((y + 1 if vy > 0 else y) - py) / np.float64(vy) if vy != 0 else np.inf
+    stays_x = vx == 0 or (vx > 0 and x < 0) or (vx < 0 and x >= width)
+    stays_y = vy == 0 or (vy > 0 and y >= height) or (vy < 0 and y < 0)
+    leave_x = np.inf if stays_x else (px - (x if vx > 0 else x + 1)) / np.float64(vx)
+    leave_y = np.inf if stays_y else ((y + 1 if vy > 0 else y) - py) / np.float64(vy)
     leave = min(leave_x, leave_y, last)
     if leave_x <= leave_y:
         return leave, (x - 1 if vx > 0 else x + 1), y
@@ -216,8 +232,8 @@ def step(px, py, vx, vy, x, y, last):
 @inline
 def _texel(coc, k, px, py, vx, vy, c):
     """Column, row and height of the texel under the ray at c; the border goes on for ever."""
-    x, y = math.floor(px - c * vx), math.floor(py + c * vy)
-    x, y = min(max(x, 0), coc.shape[2] - 1), min(max(y, 0), coc.shape[1] - 1)
+    u, v = min(max(px - c * vx, 0), coc.shape[2] - 1), min(max(py + c * vy, 0), coc.shape[1] - 1)
+    x, y = math.floor(u), math.floor(v)
     return x, y, coc[k, y, x]
 
 

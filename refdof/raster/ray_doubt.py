@@ -4,7 +4,7 @@ Along a ray, a texel is free while the ray is in front of its surface, and block
 the change from free to blocked finds it if there is one change only. A ray is in doubt if in a layer that it visits
 
 - texels block and then are free again: the search may never see the block, or may find a later one;
-- it stays in the texel where it is blocked for less than the search resolves;
+- it stays in the texel where it is blocked for less than the search resolves: without bisection, the whole layer;
 - a number on which the answer turns is too close to call: a wall's height, a top at a texel's border, the image's.
 
 References
@@ -12,12 +12,10 @@ References
 .. [1] Lee, Eisemann & Seidel (2009), Depth-of-Field Rendering with Multiview Synthesis, Sections 4.3, 5.
 """
 
-import math
-
 import numpy as np
 
 from refdof._jit import inline
-from refdof.raster.height_field import step
+from refdof.raster.height_field import first_texel, step
 
 __all__ = ["in_doubt"]
 
@@ -50,11 +48,12 @@ def _in_layer(coc, k, near, far, px, py, vx, vy, search):
     """(doubt, hit) of one layer."""
     finest = max((np.float64(far) - near) * 0.5**search.bisections, _CLOSE)
     enter, last = np.float64(near), np.float64(far)
-    x, y = math.floor(px - near * vx), math.floor(py + near * vy)
+    rows, columns = coc.shape[1], coc.shape[2]
+    x, y = first_texel(px, py, vx, vy, near, columns, rows)
     blocked = hit = False
     while True:
-        leave, next_x, next_y = step(px, py, vx, vy, x, y, last)
-        i, j = min(max(x, 0), coc.shape[2] - 1), min(max(y, 0), coc.shape[1] - 1)
+        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
+        i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
         height = coc[k, j, i]
         if abs(height - leave) < _CLOSE and leave < last:
             return True, hit
@@ -64,7 +63,7 @@ def _in_layer(coc, k, near, far, px, py, vx, vy, search):
             wall = max(enter - height, 0.0)
             if abs(wall - search.thickness) < finest or (blocked and wall < search.thickness):
                 return True, hit
-            if not blocked and leave - enter < finest and far - near > finest:
+            if not blocked and leave - enter < finest and far - near > _CLOSE:
                 return True, hit
             hit, blocked = wall <= search.thickness, True
         if leave >= last:
