@@ -63,7 +63,9 @@ def as_float(
     except (TypeError, ValueError):
         raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None
     _check_shape(name, array.shape, shape)
-    if not np.isfinite(array).all():
+    with np.errstate(over="ignore", invalid="ignore"):
+        suspicious = not np.isfinite(array.sum())  # as it is if a value is not finite: one quick pass
+    if suspicious:
         if not nan and np.isnan(array).any():
             raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
         if finite and np.isinf(array).any():

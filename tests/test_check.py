@@ -159,3 +159,8 @@ def test_truth_values_are_not_guessed(value):
 def test_rows_of_unequal_length_have_no_shape():
     with pytest.raises(InputError, match="depth: expected numbers, got list of unequal rows"):
         _check.shape_of("depth", [[1, 2], [3]])
+
+
+def test_large_numbers_whose_sum_overflows_are_finite():
+    array = np.full(4, 3e38, dtype=np.float32)
+    assert _check.as_float("color", array, (4,)) is array

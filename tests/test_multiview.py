@@ -398,6 +398,8 @@ def test_stages_are_those_of_the_docstring():
         ({"search": "guess"}, "search"),
         ({"start": "back"}, "start"),
         ({"cones": "wide"}, "cones"),
+        ({"culling": "off"}, "culling"),
+        ({"view_dependent": "false"}, "view_dependent"),
         ({"offscreen": "wrap"}, "offscreen"),
         ({"samples": 0}, "samples"),
         ({"seed": -1}, "seed"),

@@ -50,7 +50,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_integer, as_number
+from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
 from refdof.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
@@ -166,6 +166,8 @@ class Params:
         settle("steps", as_integer("steps", self.steps, minimum=1, maximum=64))
         settle("bisections", as_integer("bisections", self.bisections, minimum=0, maximum=64))
         settle("wall_px", as_number("wall_px", self.wall_px, minimum=0.0, finite=False))
+        as_bool("culling", self.culling)
+        as_bool("view_dependent", self.view_dependent)
         as_choice("offscreen", self.offscreen, OFFSCREEN)
         as_choice("jitter", self.jitter, JITTERS)
         as_choice("pattern", self.pattern, PATTERNS)
