@@ -204,7 +204,7 @@ def _drop_hidden(depth, triangle, count, umbra_step):
     kept, reach = 0, np.inf
     for k in range(count):
         nearness = 1.0 / depth[k]
-        if nearness > 0.0 and (nearness < reach or kept == 0):
+        if nearness > 0.0 and nearness < reach:
             reach = reach_beyond(nearness, umbra_step)
             depth[kept], triangle[kept] = depth[k], triangle[k]
             kept += 1

@@ -30,6 +30,8 @@ from refdof.lens import ThinLens
 
 __all__ = ["reach_beyond", "survivors", "umbra_step", "worst_case_layers"]
 
+_LEAST = 2.0**-1023  # depth: below, the inverse is no number
+
 
 def umbra_step(camera: Camera, lens: ThinLens, extent_px: int = 2) -> float:
     """How far the umbra of a surface reaches, in inverse depth [1 / scene unit]; inf for a pinhole.
@@ -98,8 +100,8 @@ def _keep(depth, step):
         for x in range(width):
             reach = np.inf  # inverse depth: the next surface must lie beyond it
             for k in range(layers):
-                nearness = 1.0 / depth[k, y, x]
-                if nearness > 0.0 and (nearness < reach or count[y, x] == 0):
+                nearness = 1.0 / max(depth[k, y, x], _LEAST)
+                if nearness > 0.0 and nearness < reach:
                     kept[count[y, x], y, x] = k
                     count[y, x] += 1
                     reach = reach_beyond(nearness, step)
