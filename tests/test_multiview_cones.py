@@ -90,8 +90,8 @@ def test_thin_stripes_keep_their_light(cones):
             parts.append(stage.rectangle(-0.5 * d, -0.45 * d, -0.2 * d, -0.15 * d, d, (0, 0, 0)))
         words = {"samples": 32, "spacing_px": 4.0, "cones": cones, "offscreen": "clamp"}
         image = render("multiview", stage.scene_of(parts, shot, lens), **words).image[4:-4, 20:-20, 0]
-        # No ray of these columns leaves the picture. Three sigma of 5120 independent points, 0.43 each; there are 12288,
-        # which share some of their noise.
+        # No ray of these columns leaves the picture. Three sigma of 5120 independent points, 0.43 each; there are
+        # 12288, which share some of their noise.
         assert image.mean() == pytest.approx(0.25, abs=3 * 0.43 / (8 * 640) ** 0.5)
 
 
