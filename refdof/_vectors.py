@@ -2,9 +2,10 @@
 
 1. weigh a few texels                                                     `weigh_texels`
 2. read a circle of nine points                                           `read_circle`
+3. blend neighbours, four results at a time                               `blend_along`, `blend_squares`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
-type, indices are int64. Without compilation the same sums are done by NumPy.
+type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
 """
 
 from typing import Any
@@ -17,11 +18,13 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "read_circle", "weigh_texels"]
+__all__ = ["INWARD", "blend_along", "blend_squares", "read_circle", "weigh_texels"]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
 _INDEX = ir.IntType(32)
+_EVEN = [8 * (k // 4) + k % 4 for k in range(16)]  # numbers of every second of eight texels
+_ODD = [k + 4 for k in _EVEN]
 
 
 def _spread(builder: Any, value: Any, lanes: int) -> Any:
@@ -39,6 +42,22 @@ def _load(builder: Any, base: Any, place: Any, lanes: int) -> Any:
     start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
     vector = ir.VectorType(base.type.pointee, lanes)
     return builder.load(builder.bitcast(start, vector.as_pointer()), align=4)
+
+
+def _store(builder: Any, vector: Any, base: Any, place: Any) -> None:
+    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
+    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
+
+
+def _every_second(builder: Any, base: Any, place: Any) -> tuple[Any, Any]:
+    """Eight texels from `place` on: the even ones and the odd ones, sixteen numbers each."""
+    first, last = (_load(builder, base, builder.add(place, ir.Constant(place.type, k)), 16) for k in (0, 4))
+    return _pick(builder, first, last, _EVEN), _pick(builder, first, last, _ODD)
+
+
+def _midway(builder: Any, a: Any, b: Any) -> Any:
+    half = ir.Constant(a.type, [0.5] * a.type.count)
+    return builder.fadd(a, builder.fmul(builder.fsub(b, a), half))
 
 
 def _lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
@@ -140,6 +159,51 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
     return signature, generate
 
 
+@intrinsic
+def _blend_along(typingctx: Any, row: Any, place: Any, even: Any, k: Any, odd: Any, m: Any) -> Any:
+    signature = types.void(row, place, even, k, odd, m)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        source, first, second = (
+            context.make_array(kind)(context, builder, arguments[n]).data for n, kind in ((0, row), (2, even), (4, odd))
+        )
+        left, middle = _every_second(builder, source, arguments[1])
+        right, _ = _every_second(builder, source, builder.add(arguments[1], ir.Constant(arguments[1].type, 2)))
+        _store(builder, _midway(builder, left, middle), first, arguments[3])
+        _store(builder, _midway(builder, middle, right), second, arguments[5])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, k: Any) -> Any:
+    signature = types.void(upper, lower, place, out, k)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        top, bottom, target = (
+            context.make_array(kind)(context, builder, arguments[n]).data
+            for n, kind in ((0, upper), (1, lower), (3, out))
+        )
+        above, below = (_midway(builder, *_every_second(builder, row, arguments[2])) for row in (top, bottom))
+        _store(builder, _midway(builder, above, below), target, arguments[4])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:
+    left, middle, right = (row[4 * (place + n) :][:32].reshape(-1, 8)[:, :4].ravel() for n in range(3))
+    even[4 * k : 4 * k + 16] = left + (middle - left) * row.dtype.type(0.5)
+    odd[4 * m : 4 * m + 16] = middle + (right - middle) * row.dtype.type(0.5)
+
+
+def _squares_interpreted(upper: Any, lower: Any, place: int, out: Any, k: int) -> None:
+    half, rows = out.dtype.type(0.5), (row[4 * place : 4 * place + 32].reshape(4, 8) for row in (upper, lower))
+    above, below = (row[:, :4] + (row[:, 4:] - row[:, :4]) * half for row in rows)
+    out[4 * k : 4 * k + 16] = (above + (below - above) * half).ravel()
+
+
 def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(sum(weight * texels[place] for place, weight in zip(places, weights, strict=True)))
 
@@ -170,7 +234,21 @@ def _circle_interpreted(
 
 if JIT_DISABLED:
     read_circle, weigh_texels = _circle_interpreted, _weigh_interpreted
+    blend_along, blend_squares = _along_interpreted, _squares_interpreted
 else:
+
+    @inline
+    def blend_along(row, place, even, k, odd, m):
+        """Midway between texels 0, 1 and 2, 3 .. 6, 7 after `place`: even[k : k + 4]; 1, 2 .. 7, 8: odd[m : m + 4].
+
+        Ten texels after `place` are read.
+        """
+        _blend_along(row, place, even, k, odd, m)
+
+    @inline
+    def blend_squares(upper, lower, place, out, k):
+        """Midway between 2 x 2 texels, first along the two rows: of eight texels after `place`, out[k : k + 4]."""
+        _blend_squares(upper, lower, place, out, k)
 
     @inline
     def weigh_texels(texels, places, weights):

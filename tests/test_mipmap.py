@@ -35,7 +35,7 @@ def same_bits(a, b):
 
 
 @pytest.mark.parametrize("channels", [1, 2, 3, 4])
-@pytest.mark.parametrize("shape", [(8, 16), (2, 6), (1, 8), (40, 4)])
+@pytest.mark.parametrize("shape", [(8, 16), (2, 6), (1, 8), (40, 4), (4, 516)])  # the last is wider than two tiles
 @pytest.mark.parametrize("chain", [generate_mipmaps, gaussian_mipmaps])
 def test_fast_halvings_have_the_bits_of_general_reads(chain, shape, channels):
     # Coordinates of even sizes are exact in float32 as well.

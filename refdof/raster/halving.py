@@ -1,7 +1,8 @@
 """Halving: one mip level from the finer one, row by row, for pipelines that round exactly.
 
 Rows are flat, (H, W C): texel x of a row starts at x C. The same bits as the reads of `refdof.raster.texture` at the
-coarser texels' centres, which of even sizes lie midway between four finer texels; infinite texels follow its rules.
+coarser texels' centres, which of even sizes lie midway between four finer texels. Its strict rules differ from plain
+arithmetic only where that gives infinities or NaN: such texels are read again by the rules.
 
 1. means of four texels                      `halve_box`
 2. bilinear reads midway between four        `halve_linear`
@@ -11,11 +12,14 @@ coarser texels' centres, which of even sizes lie midway between four finer texel
 
 import numpy as np
 
-from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange, tile_kernel
+from refdof._vectors import blend_along, blend_squares
+from refdof.raster.filters import Rules, lerp
 
 __all__ = ["halve_box", "halve_gaussian", "halve_highest", "halve_linear", "halve_lowest"]
 
-_BAND = 16  # coarse rows that share the blends of the rows between them
+_BAND, _STRIP = 16, 128  # coarse rows and texels of a tile: its blends stay in the nearest cache
+_STRICT = Rules(strict=True, fused=False, flush=False)
 
 
 @kernel
@@ -38,32 +42,36 @@ def halve_box(fine, channels, out):
 @kernel
 def halve_linear(fine, channels, out):
     """Reads midway between 2 x 2 texels: fine (H, W C) -> out (h, w C). Sizes are even, or 1."""
-    down, width = min(len(fine) - 1, 1), fine.shape[1]
+    down, right = min(len(fine) - 1, 1), min(fine.shape[1] // channels - 1, 1)
     for y in prange(len(out)):
-        texels, row = borrow(fine), borrow(out)[y]
-        blends = np.empty(width + channels, dtype=fine.dtype)
-        _midway_row(texels[2 * y], texels[2 * y + down], channels, blends)
-        _second_texels(blends, 1, channels, row)
+        upper, lower, row = borrow(fine)[2 * y], borrow(fine)[2 * y + down], borrow(out)[y]
+        if channels == 4 and right:
+            _square_row(upper, lower, 1, 4, row)
+        elif channels == 3 and right:
+            _square_row(upper, lower, 1, 3, row)
+        elif channels == 1 and right:
+            _square_row(upper, lower, 1, 1, row)
+        else:
+            _square_row(upper, lower, right, channels, row)
+        if not _all_finite(row):
+            for i in range(len(row)):
+                if not np.isfinite(row[i]):
+                    row[i] = _read(borrow(fine), 2 * y, 2 * (i // channels), i % channels, channels)
 
 
 @kernel
 def halve_gaussian(fine, channels, weights, out):
     """Nine reads midway between 2 x 2 texels, a texel apart: fine (H, W C) -> out (h, w C). Sizes are even.
 
-    weights (9,) of the image's type, row by row.
+    weights (9,) of the image's type, row by row, all above 0.
     """
-    for band in prange((len(out) + _BAND - 1) // _BAND):
-        texels, coarse = borrow(fine), borrow(out)
-        width, last, own = texels.shape[1], len(texels) - 1, fine.dtype
-        blends = np.empty(width + channels, dtype=own)
-        above, middle, below = np.empty_like(blends), np.empty_like(blends), np.empty_like(blends)
-        first = band * _BAND
-        _apart(texels[max(2 * first - 1, 0)], texels[2 * first], channels, blends, above)
-        for y in range(first, min(first + _BAND, len(coarse))):
-            _apart(texels[2 * y], texels[2 * y + 1], channels, blends, middle)
-            _apart(texels[2 * y + 1], texels[min(2 * y + 2, last)], channels, blends, below)
-            _nine_row(above, middle, below, channels, weights, coarse[y])
-            above, below = below, above
+    bands, strips = -(-len(out) // _BAND), -(-out.shape[1] // (channels * _STRIP))
+    for job in prange(bands * strips):
+        rows = job // strips * _BAND, min((job // strips + 1) * _BAND, len(out))
+        first = job % strips * _STRIP
+        count = min(_STRIP, out.shape[1] // channels - first)
+        scratch = np.empty((6, (2 * count + 1) * channels), dtype=fine.dtype)
+        _gaussian_tile(borrow(fine), borrow(weights), rows, first, channels, scratch, borrow(out))
 
 
 @kernel
@@ -103,70 +111,140 @@ def _box_row(upper, lower, right, channels, out):
 
 
 @inline
-def _midway_row(upper, lower, channels, out):
-    """Blends between all neighbours of two rows of W texels; W + 1, for the edges repeat."""
-    half, infinity = out.dtype.type(0.5), out.dtype.type(np.inf)
-    for c in range(channels):
-        out[c] = _mid(upper[c], lower[c], half, infinity)
-        end = len(upper) - channels + c
-        out[len(upper) + c] = _mid(upper[end], lower[end], half, infinity)
-    row, upper_right, lower_right = out[channels:], upper[channels:], lower[channels:]
-    for i in range(len(upper_right)):
-        top, bottom = _mid(upper[i], upper_right[i], half, infinity), _mid(lower[i], lower_right[i], half, infinity)
-        row[i] = _mid(top, bottom, half, infinity)
-
-
-@inline
-def _apart(upper, lower, channels, blends, out):
-    """`_midway_row`, the even ones (W / 2 + 1 texels) before the odd ones (W / 2)."""
-    _midway_row(upper, lower, channels, blends)
-    middle = len(upper) // 2 + channels
-    _second_texels(blends, 0, channels, out[:middle])
-    _second_texels(blends, 1, channels, out[middle:])
-
-
-@inline
-def _second_texels(row, first, channels, out):
-    """Every second texel of a row. A constant number of channels lets the compiler move whole texels."""
-    if channels == 4:
-        _pick(row, first, 4, out)
-    elif channels == 3:
-        _pick(row, first, 3, out)
-    elif channels == 1:
-        _pick(row, first, 1, out)
-    else:
-        _pick(row, first, channels, out)
-
-
-@inline
-def _pick(row, first, channels, out):
-    """`_second_texels`. Unsigned places spare the test for negative ones."""
-    n = np.uintp(channels)
-    for x in range(len(out) // channels):
+def _square_row(upper, lower, right, channels, out):
+    """Blends between 2 x 2 texels of two rows, by plain arithmetic."""
+    half, n, count = out.dtype.type(0.5), np.uintp(channels), len(out) // channels
+    x = 0
+    if channels == 4 and right == 1:
+        for x in range(0, count - 3, 4):
+            blend_squares(upper, lower, 2 * x, out, x)
+        x = count // 4 * 4
+    for k in range(x, count):
         for c in range(channels):
-            out[np.uintp(x) * n + np.uintp(c)] = row[np.uintp(2 * x + first) * n + np.uintp(c)]
+            a = np.uintp(2 * k) * n + np.uintp(c)
+            b = np.uintp(2 * k + right) * n + np.uintp(c)
+            above, below = _midway(upper[a], upper[b], half), _midway(lower[a], lower[b], half)
+            out[np.uintp(k) * n + np.uintp(c)] = _midway(above, below, half)
 
 
 @inline
-def _nine_row(above, middle, below, channels, weights, out):
-    """Weighted sums of 3 x 3 reads, those of each row being `_apart`."""
-    size = len(out)
+def _gaussian_tile(fine, weights, rows, first, channels, scratch, out):
+    """Coarse texels from `first` on of some rows, by plain arithmetic; strict rules where it is not finite.
+
+    Each fine row is blended along x once, each two of them along y once. scratch (6, (2 N + 1) C) for N texels.
+    """
+    scratch = borrow(scratch)
+    blends, reads, spare = scratch[:2], scratch[2:5], scratch[5]
+    count = (scratch.shape[1] // channels - 1) // 2
+    size, start = count * channels, 2 * rows[0] - 1
+    for source in range(start, 2 * rows[1] + 1):
+        _along(fine[min(max(source, 0), len(fine) - 1)], first, count, channels, spare, blends[source % 2])
+        if source > start:
+            _down(blends[(source - 1) % 2], blends[source % 2], reads[source % 3])
+        y = source // 2 - 1
+        if source % 2 == 1 or y < rows[0]:
+            continue
+        row = out[y, first * channels : first * channels + size]
+        _nine(reads[(source - 2) % 3], reads[(source - 1) % 3], reads[source % 3], channels, weights, row)
+        if not _all_finite(row):
+            for i in range(size):
+                if not np.isfinite(row[i]):
+                    row[i] = _nine_reads(fine, 2 * y, 2 * (first + i // channels), i % channels, channels, weights)
+
+
+@inline
+def _along(row, first, count, channels, spare, out):
+    """Blend a row's neighbours: texels 2 x, 2 x + 1 for `count` coarse x, then 2 x - 1, 2 x for `count` + 1.
+
+    At its ends the row repeats.
+    """
+    half, size, start = row.dtype.type(0.5), count * channels, 2 * first * channels
+    own, between = out[:size], out[size:]
+    for c in range(channels):
+        between[c] = _midway(row[max(start - channels, 0) + c], row[start + c], half)
+        place = start + 2 * size - channels + c
+        between[size + c] = _midway(row[place], row[min(place + channels, len(row) - channels + c)], half)
+    done = (count - 1) // 4 * 4 if channels == 4 else 0  # the last four would read past the border
+    for x in range(0, done, 4):
+        blend_along(row, 2 * (first + x), own, x, between, x + 1)
+    start += 2 * done * channels
+    blends = spare[: (2 * (count - done) - 1) * channels]
+    left, right = row[start : start + len(blends)], row[start + channels : start + channels + len(blends)]
+    for i in range(len(blends)):
+        blends[i] = _midway(left[i], right[i], half)
+    even, odd = own[done * channels :], between[(done + 1) * channels : size]
+    # A constant number of channels lets the compiler move whole texels.
+    if channels == 3:
+        _apart(blends, 3, even, odd)
+    elif channels == 1:
+        _apart(blends, 1, even, odd)
+    else:
+        _apart(blends, channels, even, odd)
+
+
+@inline
+def _apart(row, channels, even, odd):
+    """Every second texel of a row, and the others. Unsigned places spare the test for negative ones."""
+    n = np.uintp(channels)
+    for x in range(len(even) // channels):
+        for c in range(channels):
+            even[np.uintp(x) * n + np.uintp(c)] = row[np.uintp(2 * x) * n + np.uintp(c)]
+    for x in range(len(odd) // channels):
+        for c in range(channels):
+            odd[np.uintp(x) * n + np.uintp(c)] = row[np.uintp(2 * x + 1) * n + np.uintp(c)]
+
+
+@inline
+def _down(upper, lower, out):
+    """Blend two rows."""
+    half = out.dtype.type(0.5)
+    for i in range(len(out)):
+        out[i] = _midway(upper[i], lower[i], half)
+
+
+@inline
+def _nine(above, middle, below, channels, weights, out):
+    """Weighted sums of 3 x 3 reads, whose rows are laid out as `_along` has it."""
+    size, zero = len(out), out.dtype.type(0)
+    a, b, c = above[size:], above[:size], above[size + channels :]
+    d, e, f = middle[size:], middle[:size], middle[size + channels :]
+    g, h, k = below[size:], below[:size], below[size + channels :]
+    wa, wb, wc = weights[0], weights[1], weights[2]
+    wd, we, wf = weights[3], weights[4], weights[5]
+    wg, wh, wk = weights[6], weights[7], weights[8]
     for i in range(size):
-        out[i] = out.dtype.type(0)
-    for j in range(3):
-        row = above if j == 0 else (middle if j == 1 else below)
-        outer, inner = row[: size + channels], row[size + channels :]
-        left, right = outer[:size], outer[channels:]
-        for i in range(size):
-            total = out[i] + weights[3 * j] * left[i]
-            total += weights[3 * j + 1] * inner[i]
-            out[i] = total + weights[3 * j + 2] * right[i]
+        upper = zero + wa * a[i] + wb * b[i] + wc * c[i]
+        centre = upper + wd * d[i] + we * e[i] + wf * f[i]
+        out[i] = centre + wg * g[i] + wh * h[i] + wk * k[i]
 
 
 @inline
-def _mid(a, b, half, infinity):
-    """`lerp` at 1/2 by the strict rules, without branches."""
-    difference = b - a
-    blend, wide = a + difference * half, a * half + b * half
-    blend = wide if abs(difference) == infinity else blend
-    return a if a == b else blend
+def _midway(a, b, half):
+    return a + (b - a) * half
+
+
+@inline
+def _all_finite(row):
+    """Whether a row has neither infinities nor NaN."""
+    infinity, wrong = row.dtype.type(np.inf), False
+    for i in range(len(row)):
+        wrong |= not abs(row[i]) < infinity
+    return not wrong
+
+
+@inline
+def _read(fine, y, x, c, channels):
+    """Channel c midway between 2 x 2 texels from (x, y) on, by the strict rules; beyond the border the edge's."""
+    half = fine.dtype.type(0.5)
+    top, bottom = fine[max(y, 0)], fine[min(y + 1, len(fine) - 1)]
+    a, b = max(x, 0) * channels + c, min(x + 1, fine.shape[1] // channels - 1) * channels + c
+    return lerp(lerp(top[a], top[b], half, _STRICT), lerp(bottom[a], bottom[b], half, _STRICT), half, _STRICT)
+
+
+@tile_kernel
+def _nine_reads(fine, y, x, c, channels, weights):
+    """Weighted sum of 3 x 3 reads around the one at (x, y)."""
+    total = fine.dtype.type(0)
+    for k in range(9):
+        total += weights[k] * _read(fine, y + k // 3 - 1, x + k % 3 - 1, c, channels)
+    return total
