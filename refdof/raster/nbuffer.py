@@ -39,7 +39,7 @@ from refdof.raster.squares import bottom_highest, bottom_lowest, double_highest,
 __all__ = ["Extremes", "NBuffer", "highest_in", "lowest_in", "n_buffer", "query"]
 
 
-_CHUNK = 4096  # rectangles that one iteration answers
+_CHUNK = 1024  # rectangles that one iteration answers
 
 
 class NBuffer(NamedTuple):
@@ -237,45 +237,64 @@ def _level_of(width, height, count, exact):
     return min(exponent, count - 1)
 
 
-@inline
-def _least(level, x0, y0, x1, y1):
-    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
-    return min(min(a, b), min(c, d))
-
-
-@inline
-def _greatest(level, x0, y0, x1, y1):
-    a, b, c, d = level[y0, x0], level[y0, x1], level[y1, x0], level[y1, x1]
-    return max(max(a, b), max(c, d))
-
-
 @kernel
 def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
     """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
 
     That part of the gate is here since reading all corners once more would take longer than the answers.
     """
+    count, plane = max(len(lowest), len(highest)), lowest.shape[1] * lowest.shape[2]
+    flat_near, flat_far = lowest.reshape(-1), highest.reshape(-1)
     for chunk in prange(len(inside)):
-        left, top, right, bottom = borrow(x0), borrow(y0), borrow(x1), borrow(y1)
-        near, far = borrow(lowest), borrow(highest)
-        valid = True
-        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(left))):
-            if not (0 <= left[k] <= right[k] < width and 0 <= top[k] <= bottom[k] < height):
-                valid = False
-                continue
-            if block == 1 and not exact:
-                x, y = left[k], top[k]
-                longest = max(right[k] - x, bottom[k] - y) + 1
-                level = _level_of(longest, longest, max(len(near), len(far)), False)
-                if longest <= 2 << level:
-                    u, v = max(right[k] + 1 - (1 << level), x), max(bottom[k] + 1 - (1 << level), y)
-                    if len(near):
-                        low[k] = _least(near[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
-                    if len(far):
-                        high[k] = _greatest(far[level], np.uintp(x), np.uintp(y), np.uintp(u), np.uintp(v))
-                    continue
-            if len(near):
-                low[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
-            if len(far):
-                high[k] = highest_in(far, block, left[k], top[k], right[k], bottom[k], exact)
+        part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
+        left, top, right, bottom = borrow(x0)[part], borrow(y0)[part], borrow(x1)[part], borrow(y1)[part]
+        places = np.empty((3, len(left)), dtype=np.int64)
+        valid, covered = _four_squares(left, top, right, bottom, height, width, count, plane, exact, places)
         inside[chunk] = valid
+        if not valid:
+            continue
+        near, far, least, greatest = borrow(lowest), borrow(highest), borrow(low)[part], borrow(high)[part]
+        if covered and block == 1:
+            _of_four(borrow(flat_near), borrow(flat_far), places, least, greatest)
+            continue
+        for k in range(len(left)):
+            if len(near):
+                least[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
+            if len(far):
+                greatest[k] = highest_in(far, block, left[k], top[k], right[k], bottom[k], exact)
+
+
+@inline
+def _four_squares(left, top, right, bottom, height, width, count, plane, exact, places):
+    """Whether all rectangles are valid, and two by two squares cover each: then the squares' places.
+
+    places (3, K): that of the first square in the flattened levels, and the steps to its right and its lower neighbour.
+    Without branches, so that the compiler takes many at once.
+    """
+    corner, across, down = places[0], places[1], places[2]
+    wrong, uncovered = 0, 0
+    for k in range(len(left)):
+        # Cut off: far outside, differences could leave the type.
+        x, y, last_x, last_y = max(left[k], -1), max(top[k], -1), min(right[k], width), min(bottom[k], height)
+        wrong |= (x < 0) | (y < 0) | (last_x < x) | (last_y < y) | (last_x >= width) | (last_y >= height)
+        w, h = max(last_x - x + 1, 1), max(last_y - y + 1, 1)
+        level = _level_of(w, h, count, exact)
+        side = 1 << level
+        uncovered |= max(w, h) > 2 * side
+        corner[k] = level * plane + y * width + x
+        across[k], down[k] = max(w - side, 0), max(h - side, 0) * width
+    return wrong == 0, uncovered == 0
+
+
+@inline
+def _of_four(near, far, places, least, greatest):
+    """Least and greatest of the values at four places; unsigned ones spare the test for negative ones."""
+    corner, across, down = places[0], places[1], places[2]
+    for k in range(len(corner)):
+        a = np.uintp(corner[k])
+        b, c = a + np.uintp(across[k]), a + np.uintp(down[k])
+        d = c + np.uintp(across[k])
+        if len(least):
+            least[k] = min(min(near[a], near[b]), min(near[c], near[d]))
+        if len(greatest):
+            greatest[k] = max(max(far[a], far[b]), max(far[c], far[d]))
