@@ -212,7 +212,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--scene", default="figures", help="a built-in scene or a mesh file")
     parser.add_argument("--size", type=int, default=1024, help="width and height [px], a power of two")
-    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--only", default="", help="stages whose name holds this word")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers there")
     words = parser.parse_args()

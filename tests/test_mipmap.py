@@ -45,6 +45,16 @@ def test_fast_halvings_have_the_bits_of_general_reads(chain, shape, channels):
     assert all(same_bits(a, b) for a, b in zip(fast, slow, strict=True))
 
 
+def test_drawn_levels_miss_the_centres_by_their_plane():
+    # Three texels of six: u = 1 - 2.5 / 3 at the first, where the product is 2^-22 / 6 too large after rounding.
+    ramp = np.tile(np.array([0, 1], dtype=np.float32), 3)[None, :, None]
+    drawn, centred = (
+        generate_mipmaps(ramp, dataclasses.replace(EXACT, drawn_mipmaps=drawn))[1][0, :, 0] for drawn in (True, False)
+    )
+    np.testing.assert_array_equal(centred, 0.5)
+    np.testing.assert_array_equal(drawn, [0.5 - 2.0**-22, 0.5 - 2.0**-22, 0.5])
+
+
 @pytest.mark.parametrize("channels", [1, 2, 3, 4])
 @pytest.mark.parametrize("shape", [(8, 16), (7, 5), (1, 6)])
 def test_box_is_the_mean_of_slices(shape, channels):

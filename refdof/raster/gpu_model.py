@@ -50,6 +50,9 @@ class GpuModel:
         Whether the level of detail comes from a logarithm that is linear between powers of two.
     strict_weights : bool
         Whether texels of weight 0 have no part in a filter, even if infinite or NaN.
+    drawn_mipmaps : bool
+        Whether mip levels are drawn as two triangles, whose float32 planes give the places to read; else those are the
+        texels' centres.
     """
 
     subpixel_bits: int = 0
@@ -63,6 +66,7 @@ class GpuModel:
     flush_denormals: bool = False
     linear_log2: bool = False
     strict_weights: bool = True
+    drawn_mipmaps: bool = False
 
     def __post_init__(self) -> None:
         for name, allowed in (("subpixel_bits", (0, 4, 8)), ("filter_bits", (0, 8))):
@@ -84,6 +88,7 @@ LLVMPIPE = GpuModel(
     flush_denormals=True,
     linear_log2=True,
     strict_weights=False,
+    drawn_mipmaps=True,
 )
 D3D11 = GpuModel(
     subpixel_bits=8,
