@@ -2,7 +2,8 @@
 
 1. weigh a few texels                                                     `weigh_texels`
 2. read a circle of nine points                                           `read_circle`
-3. blend neighbours, four results at a time                               `blend_along`, `blend_squares`
+3. blend four texels                                                      `blend_texels`
+4. blend neighbours, four results at a time                               `blend_along`, `blend_squares`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
 type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
@@ -18,7 +19,7 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "blend_along", "blend_squares", "read_circle", "weigh_texels"]
+__all__ = ["INWARD", "blend_along", "blend_squares", "blend_texels", "read_circle", "weigh_texels"]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
@@ -56,8 +57,12 @@ def _every_second(builder: Any, base: Any, place: Any) -> tuple[Any, Any]:
 
 
 def _midway(builder: Any, a: Any, b: Any) -> Any:
-    half = ir.Constant(a.type, [0.5] * a.type.count)
-    return builder.fadd(a, builder.fmul(builder.fsub(b, a), half))
+    return _plain_lerp(builder, a, b, ir.Constant(a.type, [0.5] * a.type.count))
+
+
+def _plain_lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
+    """As `_lerp`, with every operation rounded."""
+    return builder.fadd(a, builder.fmul(builder.fsub(b, a), w))
 
 
 def _lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
@@ -160,6 +165,22 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
 
 
 @intrinsic
+def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
+    signature = types.UniTuple(texels.dtype, 4)(texels, a, b, c, d, texels.dtype, texels.dtype)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        base = context.make_array(texels)(context, builder, arguments[0]).data
+        first, second, third, fourth = (_load(builder, base, place, 4) for place in arguments[1:5])
+        wx, wy = (_spread(builder, weight, 4) for weight in arguments[5:7])
+        upper, lower = _plain_lerp(builder, first, second, wx), _plain_lerp(builder, third, fourth, wx)
+        read = _plain_lerp(builder, upper, lower, wy)
+        channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
+        return context.make_tuple(builder, signature.return_type, channels)
+
+    return signature, generate
+
+
+@intrinsic
 def _blend_along(typingctx: Any, row: Any, place: Any, even: Any, k: Any, odd: Any, m: Any) -> Any:
     signature = types.void(row, place, even, k, odd, m)
 
@@ -190,6 +211,11 @@ def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any,
         return context.get_dummy_value()
 
     return signature, generate
+
+
+def _blend_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any) -> tuple[Any, ...]:
+    upper, lower = (texels[p] + (texels[q] - texels[p]) * across for p, q in ((a, b), (c, d)))
+    return tuple(upper + (lower - upper) * down)
 
 
 def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:
@@ -234,8 +260,13 @@ def _circle_interpreted(
 
 if JIT_DISABLED:
     read_circle, weigh_texels = _circle_interpreted, _weigh_interpreted
-    blend_along, blend_squares = _along_interpreted, _squares_interpreted
+    blend_texels, blend_along, blend_squares = _blend_interpreted, _along_interpreted, _squares_interpreted
 else:
+
+    @inline
+    def blend_texels(texels, a, b, c, d, across, down):
+        """Bilinear blend of texels a, b above c, d, every operation rounded: a tuple of four."""
+        return _blend_texels(texels, a, b, c, d, across, down)
 
     @inline
     def blend_along(row, place, even, k, odd, m):

@@ -30,14 +30,12 @@ def rules_of(model: GpuModel) -> Rules:
 def lerp(a, b, w, rules):
     """a + (b - a) w, all of one type. With strict rules a texel of weight 0 has no part, and equal infinities stay."""
     if rules.strict:
-        if w == 0:
-            return a
         if w == 1:
             return b
         difference = b - a
         if np.isfinite(difference):
             return a + difference * w
-        if a == b:
+        if w == 0 or a == b:
             return a
         return a * (w / w - w) + b * w  # infinite texels, or a difference beyond the type; w / w: a one of that type
     if rules.flush:

@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, shape_of
-from refdof._jit import borrow, kernel, prange
-from refdof.raster.filters import bilinear_at, lerp, rules_of, split
+from refdof._jit import kernel, prange
+from refdof.raster.filters import rules_of
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
+from refdof.raster.reads import read_levels, read_points
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
-
-_CHUNK = 1024  # points that one iteration reads
 
 
 def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
@@ -113,10 +112,14 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     if whole_bytes:
         return _trilinear_bytes(images, u, v, lod, model).reshape(*shape, images[0].shape[2])
     out = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
-    with np.errstate(over="ignore"):  # far outside
-        for k in range(int(lod.min()), math.ceil(lod.max()) + 1) if len(lod) else ():
-            texels, colour = _as_floats(images[k], border, model)
-            _blend_level(texels, k, u, v, lod, model.filter_bits > 0, colour, border is not None, rules_of(model), out)
+    first, last = (int(lod.min()), math.ceil(lod.max())) if len(lod) else (0, 0)
+    needed, colour = images[first : last + 1], _as_floats(images[0], border, model)[1]
+    sizes = np.array([level.shape[:2] for level in needed])
+    starts = np.cumsum(sizes.prod(axis=1)) - sizes.prod(axis=1)
+    flat = np.concatenate([_decoded(level, model).reshape(-1, out.shape[1]) for level in needed])
+    rounded, bordered = model.filter_bits > 0, border is not None
+    with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
+        read_levels(flat, starts, sizes, first, u, v, lod, rounded, colour, bordered, rules_of(model), out)
     return out.reshape(*shape, images[0].shape[2])
 
 
@@ -168,8 +171,8 @@ def at_texels(
         return decode_unorm(whole, 255, model).reshape(*x.shape, channels)
     texels, colour = _as_floats(image, border, model)
     rounded, bordered = model.filter_bits > 0, border is not None
-    with np.errstate(over="ignore"):
-        out = _filter(texels, x.ravel(), y.ravel(), scale_x, scale_y, rounded, colour, bordered, rules_of(model))
+    with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
+        out = read_points(texels, x.ravel(), y.ravel(), scale_x, scale_y, rounded, colour, bordered, rules_of(model))
     return out.reshape(*x.shape, channels)
 
 
@@ -197,38 +200,6 @@ def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, mode
         parts.append(read)
     weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]
     return decode_unorm(parts[0] + (((parts[1] - parts[0]) * weight + 128) >> 8), 255, model)
-
-
-@kernel
-def _filter(image, x, y, scale_x, scale_y, rounded, border, bordered, rules):
-    """Bilinear reads (N, C) of an image of floats at x, y (N,), which times the scales are in texels."""
-    out = np.empty((len(x), image.shape[2]), dtype=image.dtype)
-    for chunk in prange((len(x) + _CHUNK - 1) // _CHUNK):
-        texels, own, real = borrow(image), image.dtype.type, x.dtype.type
-        height, width, channels = texels.shape
-        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(x))):
-            column, right = split(x[k] * scale_x, width, rounded, bordered, real)
-            row, below = split(y[k] * scale_y, height, rounded, bordered, real)
-            for c in range(channels):
-                out[k, c] = bilinear_at(texels, column, row, own(right), own(below), c, border, bordered, rules)
-    return out
-
-
-@kernel
-def _blend_level(image, level, u, v, lod, rounded, border, bordered, rules, out):
-    """Write reads of a level where it is the finer of a point's two; blend them in where it is the coarser."""
-    for chunk in prange((len(u) + _CHUNK - 1) // _CHUNK):
-        texels, own, real = borrow(image), image.dtype.type, u.dtype.type
-        height, width, channels = texels.shape
-        for k in range(chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(u))):
-            first = int(np.floor(lod[k]))
-            weight = own(lod[k] - real(first))
-            if first == level or (first == level - 1 and weight > 0):
-                column, right = split(u[k] * real(width), width, rounded, bordered, real)
-                row, below = split(v[k] * real(height), height, rounded, bordered, real)
-                for c in range(channels):
-                    read = bilinear_at(texels, column, row, own(right), own(below), c, border, bordered, rules)
-                    out[k, c] = read if first == level else lerp(out[k, c], read, weight, rules)
 
 
 @kernel
