@@ -1,9 +1,8 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
-1. weigh a few texels                                                     `weigh_texels`
-2. read a circle of nine points                                           `read_circle`
-3. blend four texels                                                      `blend_texels`
-4. blend neighbours, four results at a time                               `blend_along`, `blend_squares`
+1. weigh a few texels               `weigh_texels`
+2. blend four texels                `blend_texels`
+3. read a circle of nine points     `read_circle`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
 type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
@@ -19,13 +18,11 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "blend_along", "blend_squares", "blend_texels", "read_circle", "weigh_texels"]
+__all__ = ["INWARD", "blend_texels", "load", "pick", "plain_lerp", "read_circle", "weigh_texels"]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
 _INDEX = ir.IntType(32)
-_EVEN = [8 * (k // 4) + k % 4 for k in range(16)]  # numbers of every second of eight texels
-_ODD = [k + 4 for k in _EVEN]
 
 
 def _spread(builder: Any, value: Any, lanes: int) -> Any:
@@ -34,33 +31,19 @@ def _spread(builder: Any, value: Any, lanes: int) -> Any:
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(_INDEX, lanes), [0] * lanes))
 
 
-def _pick(builder: Any, first: Any, second: Any, lanes: list[int]) -> Any:
+def pick(builder: Any, first: Any, second: Any, lanes: list[int]) -> Any:
+    """A vector of lanes of two others, the second's counted on from the first's."""
     return builder.shuffle_vector(first, second, ir.Constant(ir.VectorType(_INDEX, len(lanes)), lanes))
 
 
-def _load(builder: Any, base: Any, place: Any, lanes: int) -> Any:
+def load(builder: Any, base: Any, place: Any, lanes: int) -> Any:
     """`lanes` numbers from texel `place` on."""
     start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
     vector = ir.VectorType(base.type.pointee, lanes)
     return builder.load(builder.bitcast(start, vector.as_pointer()), align=4)
 
 
-def _store(builder: Any, vector: Any, base: Any, place: Any) -> None:
-    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
-    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
-
-
-def _every_second(builder: Any, base: Any, place: Any) -> tuple[Any, Any]:
-    """Eight texels from `place` on: the even ones and the odd ones, sixteen numbers each."""
-    first, last = (_load(builder, base, builder.add(place, ir.Constant(place.type, k)), 16) for k in (0, 4))
-    return _pick(builder, first, last, _EVEN), _pick(builder, first, last, _ODD)
-
-
-def _midway(builder: Any, a: Any, b: Any) -> Any:
-    return _plain_lerp(builder, a, b, ir.Constant(a.type, [0.5] * a.type.count))
-
-
-def _plain_lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
+def plain_lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
     """As `_lerp`, with every operation rounded."""
     return builder.fadd(a, builder.fmul(builder.fsub(b, a), w))
 
@@ -124,8 +107,8 @@ def _read_circle(
         )
         upper = [builder.gep(corner, [builder.mul(lane(rows, k), stride)], inbounds=True) for k in range(5)]
         lower = [builder.gep(line, [below], inbounds=True) for line in upper]
-        sink = [_pick(builder, down, down, [k] * 8) for k in range(5)]
-        blend = [_pick(builder, rest, across, [k] * 4 + [8 + k] * 4) for k in range(5)]
+        sink = [pick(builder, down, down, [k] * 8) for k in range(5)]
+        blend = [pick(builder, rest, across, [k] * 4 + [8 + k] * 4) for k in range(5)]
 
         def two_rows(row: int, column: int) -> Any:
             starts = [builder.gep(line[row], [place[column]], inbounds=True) for line in (upper, lower)]
@@ -140,7 +123,7 @@ def _read_circle(
         corners = builder.fmul(builder.fadd(two_rows(3, 3), two_rows(4, 3)), blend[3])
         corners = _add_product(builder, builder.fadd(two_rows(3, 4), two_rows(4, 4)), blend[4], corners)
         total = _add_product(builder, far, corners, total)
-        total = builder.fadd(_pick(builder, total, total, [0, 1, 2, 3]), _pick(builder, total, total, [4, 5, 6, 7]))
+        total = builder.fadd(pick(builder, total, total, [0, 1, 2, 3]), pick(builder, total, total, [4, 5, 6, 7]))
         channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(3)]
         return context.make_tuple(builder, signature.return_type, channels)
 
@@ -155,7 +138,7 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
         base = context.make_array(texels)(context, builder, arguments[0]).data
         total = None
         for k in range(len(places)):
-            texel = _load(builder, base, builder.extract_value(arguments[1], k), 4)
+            texel = load(builder, base, builder.extract_value(arguments[1], k), 4)
             weight = _spread(builder, builder.extract_value(arguments[2], k), 4)
             total = _add_product(builder, texel, weight, total) if total else builder.fmul(texel, weight)
         channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(4)]
@@ -170,45 +153,12 @@ def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, a
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         base = context.make_array(texels)(context, builder, arguments[0]).data
-        first, second, third, fourth = (_load(builder, base, place, 4) for place in arguments[1:5])
+        first, second, third, fourth = (load(builder, base, place, 4) for place in arguments[1:5])
         wx, wy = (_spread(builder, weight, 4) for weight in arguments[5:7])
-        upper, lower = _plain_lerp(builder, first, second, wx), _plain_lerp(builder, third, fourth, wx)
-        read = _plain_lerp(builder, upper, lower, wy)
+        upper, lower = plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx)
+        read = plain_lerp(builder, upper, lower, wy)
         channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
         return context.make_tuple(builder, signature.return_type, channels)
-
-    return signature, generate
-
-
-@intrinsic
-def _blend_along(typingctx: Any, row: Any, place: Any, even: Any, k: Any, odd: Any, m: Any) -> Any:
-    signature = types.void(row, place, even, k, odd, m)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        source, first, second = (
-            context.make_array(kind)(context, builder, arguments[n]).data for n, kind in ((0, row), (2, even), (4, odd))
-        )
-        left, middle = _every_second(builder, source, arguments[1])
-        right, _ = _every_second(builder, source, builder.add(arguments[1], ir.Constant(arguments[1].type, 2)))
-        _store(builder, _midway(builder, left, middle), first, arguments[3])
-        _store(builder, _midway(builder, middle, right), second, arguments[5])
-        return context.get_dummy_value()
-
-    return signature, generate
-
-
-@intrinsic
-def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, k: Any) -> Any:
-    signature = types.void(upper, lower, place, out, k)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        top, bottom, target = (
-            context.make_array(kind)(context, builder, arguments[n]).data
-            for n, kind in ((0, upper), (1, lower), (3, out))
-        )
-        above, below = (_midway(builder, *_every_second(builder, row, arguments[2])) for row in (top, bottom))
-        _store(builder, _midway(builder, above, below), target, arguments[4])
-        return context.get_dummy_value()
 
     return signature, generate
 
@@ -216,18 +166,6 @@ def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any,
 def _blend_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any) -> tuple[Any, ...]:
     upper, lower = (texels[p] + (texels[q] - texels[p]) * across for p, q in ((a, b), (c, d)))
     return tuple(upper + (lower - upper) * down)
-
-
-def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:
-    left, middle, right = (row[4 * (place + n) :][:32].reshape(-1, 8)[:, :4].ravel() for n in range(3))
-    even[4 * k : 4 * k + 16] = left + (middle - left) * row.dtype.type(0.5)
-    odd[4 * m : 4 * m + 16] = middle + (right - middle) * row.dtype.type(0.5)
-
-
-def _squares_interpreted(upper: Any, lower: Any, place: int, out: Any, k: int) -> None:
-    half, rows = out.dtype.type(0.5), (row[4 * place : 4 * place + 32].reshape(4, 8) for row in (upper, lower))
-    above, below = (row[:, :4] + (row[:, 4:] - row[:, :4]) * half for row in rows)
-    out[4 * k : 4 * k + 16] = (above + (below - above) * half).ravel()
 
 
 def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -259,27 +197,13 @@ def _circle_interpreted(
 
 
 if JIT_DISABLED:
-    read_circle, weigh_texels = _circle_interpreted, _weigh_interpreted
-    blend_texels, blend_along, blend_squares = _blend_interpreted, _along_interpreted, _squares_interpreted
+    blend_texels, read_circle, weigh_texels = _blend_interpreted, _circle_interpreted, _weigh_interpreted
 else:
 
     @inline
     def blend_texels(texels, a, b, c, d, across, down):
         """Bilinear blend of texels a, b above c, d, every operation rounded: a tuple of four."""
         return _blend_texels(texels, a, b, c, d, across, down)
-
-    @inline
-    def blend_along(row, place, even, k, odd, m):
-        """Midway between texels 0, 1 and 2, 3 .. 6, 7 after `place`: even[k : k + 4]; 1, 2 .. 7, 8: odd[m : m + 4].
-
-        Ten texels after `place` are read.
-        """
-        _blend_along(row, place, even, k, odd, m)
-
-    @inline
-    def blend_squares(upper, lower, place, out, k):
-        """Midway between 2 x 2 texels, first along the two rows: of eight texels after `place`, out[k : k + 4]."""
-        _blend_squares(upper, lower, place, out, k)
 
     @inline
     def weigh_texels(texels, places, weights):

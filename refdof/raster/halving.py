@@ -13,7 +13,7 @@ arithmetic only where that gives infinities or NaN: such texels are read again b
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
-from refdof._vectors import blend_along, blend_squares
+from refdof._vector_rows import blend_along, blend_squares, mean_squares
 from refdof.raster.filters import Rules, lerp
 
 __all__ = ["halve_box", "halve_gaussian", "halve_highest", "halve_linear", "halve_lowest"]
@@ -101,30 +101,30 @@ def halve_highest(fine, out):
 @inline
 def _box_row(upper, lower, right, channels, out):
     """Means of two rows' texels. Unsigned places spare the test for negative ones."""
-    quarter, n = out.dtype.type(0.25), np.uintp(channels)
-    for x in range(len(out) // channels):
+    quarter, n, count = out.dtype.type(0.25), np.uintp(channels), len(out) // channels
+    done = count // 4 * 4 if channels == 4 and right == 1 else 0
+    for x in range(0, done, 4):
+        mean_squares(upper, lower, 2 * x, out, x)
+    for x in range(done, count):
         for c in range(channels):
-            to = np.uintp(x) * n + np.uintp(c)
             a = np.uintp(2 * x) * n + np.uintp(c)
             b = np.uintp(2 * x + right) * n + np.uintp(c)
-            out[to] = ((upper[a] + upper[b]) + (lower[a] + lower[b])) * quarter
+            out[np.uintp(x) * n + np.uintp(c)] = ((upper[a] + upper[b]) + (lower[a] + lower[b])) * quarter
 
 
 @inline
 def _square_row(upper, lower, right, channels, out):
     """Blends between 2 x 2 texels of two rows, by plain arithmetic."""
     half, n, count = out.dtype.type(0.5), np.uintp(channels), len(out) // channels
-    x = 0
-    if channels == 4 and right == 1:
-        for x in range(0, count - 3, 4):
-            blend_squares(upper, lower, 2 * x, out, x)
-        x = count // 4 * 4
-    for k in range(x, count):
+    done = count // 4 * 4 if channels == 4 and right == 1 else 0
+    for x in range(0, done, 4):
+        blend_squares(upper, lower, 2 * x, out, x)
+    for x in range(done, count):
         for c in range(channels):
-            a = np.uintp(2 * k) * n + np.uintp(c)
-            b = np.uintp(2 * k + right) * n + np.uintp(c)
+            a = np.uintp(2 * x) * n + np.uintp(c)
+            b = np.uintp(2 * x + right) * n + np.uintp(c)
             above, below = _midway(upper[a], upper[b], half), _midway(lower[a], lower[b], half)
-            out[np.uintp(k) * n + np.uintp(c)] = _midway(above, below, half)
+            out[np.uintp(x) * n + np.uintp(c)] = _midway(above, below, half)
 
 
 @inline

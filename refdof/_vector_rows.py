@@ -1,0 +1,126 @@
+"""Rows of texels halved in vector registers, where loops over four channels do not vectorise.
+
+1. every second of eight texels, and the others     `_every_second`
+2. blend neighbours                                 `blend_along`
+3. blends and means of 2 x 2 texels                 `blend_squares`, `mean_squares`
+
+Rows are flat, (4 W), and contiguous; places are int64 and count texels. Every operation is rounded. Without compilation
+the same is done by NumPy.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from refdof._jit import JIT_DISABLED, inline
+from refdof._vectors import load, pick, plain_lerp
+
+__all__ = ["blend_along", "blend_squares", "mean_squares"]
+
+_EVEN = [8 * (k // 4) + k % 4 for k in range(16)]  # numbers of every second of eight texels
+_ODD = [k + 4 for k in _EVEN]
+
+
+@intrinsic
+def _blend_along(typingctx: Any, row: Any, place: Any, even: Any, k: Any, odd: Any, m: Any) -> Any:
+    signature = types.void(row, place, even, k, odd, m)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        source, first, second = _bases(context, builder, signature, arguments, (0, 2, 4))
+        left, middle = _every_second(builder, source, arguments[1])
+        right, _ = _every_second(builder, source, builder.add(arguments[1], ir.Constant(arguments[1].type, 2)))
+        _store(builder, _midway(builder, left, middle), first, arguments[3])
+        _store(builder, _midway(builder, middle, right), second, arguments[5])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, k: Any) -> Any:
+    signature = types.void(upper, lower, place, out, k)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
+        above, below = (_midway(builder, *_every_second(builder, row, arguments[2])) for row in rows)
+        _store(builder, _midway(builder, above, below), target, arguments[4])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def _mean_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, k: Any) -> Any:
+    signature = types.void(upper, lower, place, out, k)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
+        above, below = (builder.fadd(*_every_second(builder, row, arguments[2])) for row in rows)
+        quarter = ir.Constant(above.type, [0.25] * 16)
+        _store(builder, builder.fmul(builder.fadd(above, below), quarter), target, arguments[4])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+def _bases(context: Any, builder: Any, signature: Any, arguments: Any, which: tuple[int, ...]) -> list[Any]:
+    """Where the numbers of some arguments begin."""
+    return [context.make_array(signature.args[n])(context, builder, arguments[n]).data for n in which]
+
+
+def _every_second(builder: Any, base: Any, place: Any) -> tuple[Any, Any]:
+    """Eight texels from `place` on: the even ones and the odd ones, sixteen numbers each."""
+    first, last = (load(builder, base, builder.add(place, ir.Constant(place.type, k)), 16) for k in (0, 4))
+    return pick(builder, first, last, _EVEN), pick(builder, first, last, _ODD)
+
+
+def _midway(builder: Any, a: Any, b: Any) -> Any:
+    return plain_lerp(builder, a, b, ir.Constant(a.type, [0.5] * a.type.count))
+
+
+def _store(builder: Any, vector: Any, base: Any, place: Any) -> None:
+    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
+    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
+
+
+def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:
+    left, middle, right = (row[4 * (place + n) :][:32].reshape(-1, 8)[:, :4].ravel() for n in range(3))
+    even[4 * k : 4 * k + 16] = left + (middle - left) * row.dtype.type(0.5)
+    odd[4 * m : 4 * m + 16] = middle + (right - middle) * row.dtype.type(0.5)
+
+
+def _squares_interpreted(upper: Any, lower: Any, place: int, out: Any, k: int) -> None:
+    half, rows = out.dtype.type(0.5), (row[4 * place : 4 * place + 32].reshape(4, 8) for row in (upper, lower))
+    above, below = (row[:, :4] + (row[:, 4:] - row[:, :4]) * half for row in rows)
+    out[4 * k : 4 * k + 16] = (above + (below - above) * half).ravel()
+
+
+def _mean_interpreted(upper: Any, lower: Any, place: int, out: Any, k: int) -> None:
+    above, below = (row[4 * place : 4 * place + 32].reshape(4, 8) for row in (upper, lower))
+    total = (above[:, :4] + above[:, 4:]) + (below[:, :4] + below[:, 4:])
+    out[4 * k : 4 * k + 16] = (total * out.dtype.type(0.25)).ravel()
+
+
+if JIT_DISABLED:
+    blend_along, blend_squares, mean_squares = _along_interpreted, _squares_interpreted, _mean_interpreted
+else:
+
+    @inline
+    def blend_along(row, place, even, k, odd, m):
+        """Midway between texels 0, 1 and 2, 3 .. 6, 7 after `place`: even[k : k + 4]; 1, 2 .. 7, 8: odd[m : m + 4].
+
+        Ten texels after `place` are read.
+        """
+        _blend_along(row, place, even, k, odd, m)
+
+    @inline
+    def blend_squares(upper, lower, place, out, k):
+        """Midway between 2 x 2 texels, first along the two rows: of eight texels after `place`, out[k : k + 4]."""
+        _blend_squares(upper, lower, place, out, k)
+
+    @inline
+    def mean_squares(upper, lower, place, out, k):
+        """Means of 2 x 2 texels, the rows' sums added: of eight texels after `place`, out[k : k + 4]."""
+        _mean_squares(upper, lower, place, out, k)
