@@ -267,3 +267,21 @@ def test_bad_questions_are_named():
         query(n_buffer(np.ones((3, 4)), block=2), [0], [0], [1], [1], exact=True)
     with pytest.raises(InputError, match="nbuffer: got ndarray"):
         query(np.ones((3, 4)), [0], [0], [1], [1])
+
+
+def test_levels_in_any_memory_order_answer_alike():
+    depth = made_up((20, 30))
+    buffer, rectangles = n_buffer(depth), random_rectangles((20, 30), 200)
+    wanted = query(buffer, *rectangles)
+    columns = buffer._replace(
+        lowest=np.asfortranarray(buffer.lowest), highest=np.repeat(buffer.highest, 2, 2)[..., ::2]
+    )
+    np.testing.assert_array_equal(query(columns, *rectangles), wanted)
+    alone = buffer._replace(lowest=np.empty((0, 0, 0)))
+    np.testing.assert_array_equal(query(alone, *rectangles).highest, wanted.highest)
+
+
+@pytest.mark.parametrize("change", [{"width": 10}, {"lowest": np.ones((1, 20, 30))}, {"highest": np.ones((6, 20, 29))}])
+def test_levels_that_do_not_fit_are_named(change):
+    with pytest.raises(InputError, match="nbuffer: got levels of shape"):
+        query(n_buffer(made_up((20, 30)))._replace(**change), [0], [0], [1], [1])

@@ -28,7 +28,10 @@ def rules_of(model: GpuModel) -> Rules:
 
 @inline
 def lerp(a, b, w, rules):
-    """a + (b - a) w, all of one type. With strict rules a texel of weight 0 has no part, and equal infinities stay."""
+    """a + (b - a) w, all of one type. With strict rules a texel of weight 0 has no part, and equal infinities stay.
+
+    But for the sign of a zero: that follows the sum.
+    """
     if rules.strict:
         if w == 1:
             return b

@@ -203,7 +203,7 @@ def _drawn_centres(fine: Float) -> tuple[Float, Float]:
     below = _plane(slope_y, one - slope_y * last_y, height) * np.float32(rows)
     i, j = np.arange(width), np.arange(height)[:, None]
     y = np.where((2 * j + 1) * width <= (2 * i + 1) * height, above[:, None], below[:, None])
-    return np.broadcast_to(x, y.shape), y
+    return np.tile(x, (height, 1)), y
 
 
 def _plane(slope: np.float32, start: np.float32, count: int) -> Float:

@@ -34,10 +34,9 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_integer, shape_of
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.raster.squares import bottom_highest, bottom_lowest, double_highest, double_lowest
+from refdof.raster.squares import bottom_highest, bottom_lowest, double_highest, double_lowest, extremes_of_four
 
 __all__ = ["Extremes", "NBuffer", "highest_in", "lowest_in", "n_buffer", "query"]
-
 
 _CHUNK = 1024  # rectangles that one iteration answers
 
@@ -137,10 +136,21 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
     Raises
     ------
     InputError
-        If a rectangle is inverted or leaves the image, or an exact answer is asked of a buffer of blocks.
+        If a rectangle is inverted or leaves the image, an exact answer is asked of a buffer of blocks, or the levels
+        do not fit the image or each other.
     """
     if not isinstance(nbuffer, NBuffer):
         raise InputError(f"nbuffer: got {type(nbuffer).__name__}; allowed is what n_buffer returns")
+    made = [side.shape for side in nbuffer[:2] if len(side)]
+    plane = -(-nbuffer.height // nbuffer.block), -(-nbuffer.width // nbuffer.block)
+    if not made or any(shape != (len(nbuffer.lowest) or len(nbuffer.highest), *plane) for shape in made):
+        shapes = f"{nbuffer.lowest.shape} and {nbuffer.highest.shape}"
+        raise InputError(
+            f"nbuffer: got levels of shape {shapes}; allowed are as many of {plane} on both sides, or none"
+        )
+    nbuffer = nbuffer._replace(
+        lowest=np.ascontiguousarray(nbuffer.lowest), highest=np.ascontiguousarray(nbuffer.highest)
+    )
     if exact and nbuffer.block > 1:
         raise InputError(f"exact: got True for blocks of {nbuffer.block} px; allowed is a buffer with block 1")
     rectangles = x0, y0, x1, y1
@@ -166,9 +176,8 @@ def _as_rectangles(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any) -> tupl
     for first_name, first, last_name, last in (("x0", x0, "x1", x1), ("y0", y0, "y1", y1)):
         if (first > last).any():
             k = int(np.argmax(first > last))
-            raise InputError(
-                f"{last_name}: got {last[k]} with {first_name} {first[k]}; allowed is {first_name} or more"
-            )
+            got = f"got {last[k]} with {first_name} {first[k]}"
+            raise InputError(f"{last_name}: {got}; allowed is {first_name} or more")
     return x0, y0, x1, y1
 
 
@@ -241,9 +250,9 @@ def _level_of(width, height, count, exact):
 def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
     """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
 
-    That part of the gate is here since reading all corners once more would take longer than the answers.
+    That part of the gate is here: reading all corners once more would take longer than the answers.
     """
-    count, plane = max(len(lowest), len(highest)), lowest.shape[1] * lowest.shape[2]
+    count, plane = max(len(lowest), len(highest)), height * width  # without blocks; with them it is not used
     flat_near, flat_far = lowest.reshape(-1), highest.reshape(-1)
     for chunk in prange(len(inside)):
         part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
@@ -255,7 +264,7 @@ def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, hi
             continue
         near, far, least, greatest = borrow(lowest), borrow(highest), borrow(low)[part], borrow(high)[part]
         if covered and block == 1:
-            _of_four(borrow(flat_near), borrow(flat_far), places, least, greatest)
+            extremes_of_four(borrow(flat_near), borrow(flat_far), places, least, greatest)
             continue
         for k in range(len(left)):
             if len(near):
@@ -284,17 +293,3 @@ def _four_squares(left, top, right, bottom, height, width, count, plane, exact, 
         corner[k] = level * plane + y * width + x
         across[k], down[k] = max(w - side, 0), max(h - side, 0) * width
     return wrong == 0, uncovered == 0
-
-
-@inline
-def _of_four(near, far, places, least, greatest):
-    """Least and greatest of the values at four places; unsigned ones spare the test for negative ones."""
-    corner, across, down = places[0], places[1], places[2]
-    for k in range(len(corner)):
-        a = np.uintp(corner[k])
-        b, c = a + np.uintp(across[k]), a + np.uintp(down[k])
-        d = c + np.uintp(across[k])
-        if len(least):
-            least[k] = min(min(near[a], near[b]), min(near[c], near[d]))
-        if len(greatest):
-            greatest[k] = max(max(far[a], far[b]), max(far[c], far[d]))

@@ -2,11 +2,14 @@
 
 1. extremes of every pixel or block over all layers    `bottom_lowest`, `bottom_highest`
 2. squares of twice the side                           `double_lowest`, `double_highest`
+3. extremes of two by two squares                      `extremes_of_four`
 """
 
-from refdof._jit import kernel, prange
+import numpy as np
 
-__all__ = ["bottom_highest", "bottom_lowest", "double_highest", "double_lowest"]
+from refdof._jit import inline, kernel, prange
+
+__all__ = ["bottom_highest", "bottom_lowest", "double_highest", "double_lowest", "extremes_of_four"]
 
 
 @kernel
@@ -68,3 +71,17 @@ def double_highest(level, side, out):
         for x in range(len(upper_right)):
             right = upper_right[x] if upper_right[x] > lower_right[x] else lower_right[x]
             row[x] = right if right > row[x] else row[x]
+
+
+@inline
+def extremes_of_four(near, far, places, least, greatest):
+    """Least and greatest of the values at four places; unsigned ones spare the test for negative ones."""
+    corner, across, down = places[0], places[1], places[2]
+    for k in range(len(corner)):
+        a = np.uintp(corner[k])
+        b, c = a + np.uintp(across[k]), a + np.uintp(down[k])
+        d = c + np.uintp(across[k])
+        if len(least):
+            least[k] = min(min(near[a], near[b]), min(near[c], near[d]))
+        if len(greatest):
+            greatest[k] = max(max(far[a], far[b]), max(far[c], far[d]))
