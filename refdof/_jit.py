@@ -1,4 +1,4 @@
-"""All Numba policy: two decorators, a cache that cannot go stale, and the number of threads.
+"""All Numba policy: decorators, a cache that cannot go stale, and the number of threads.
 
 Numba's own cache does not see an edit in a helper of another file. So its folder is named by a digest of every
 source file of this package, Numba's version, the processor and the JIT flags: any edit starts an empty folder,
@@ -27,7 +27,6 @@ from numba.extending import intrinsic
 
 __all__ = [
     "JIT_DISABLED",
-    "add_bilinear",
     "borrow",
     "call_address",
     "callback",
@@ -201,50 +200,6 @@ def _borrow(typingctx: Any, array: Any) -> Any:
     return signature, generate
 
 
-@intrinsic
-def _add_bilinear(
-    typingctx: Any, total: Any, texels: Any, p: Any, q: Any, r: Any, s: Any, wx: Any, wy: Any, weight: Any
-) -> Any:
-    """Four channels at once, in one vector register."""
-    signature = total(total, texels, p, q, r, s, wx, wy, weight)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        kind = context.get_value_type(texels.dtype)
-        vector, index = ir.VectorType(kind, 4), ir.IntType(32)
-        base = context.make_array(texels)(context, builder, arguments[1]).data
-
-        def texel(place: Any) -> Any:
-            start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
-            return builder.load(builder.bitcast(start, vector.as_pointer()), align=texels.dtype.bitwidth // 8)
-
-        def spread(value: Any) -> Any:
-            empty = ir.Constant(vector, ir.Undefined)
-            one = builder.insert_element(empty, value, ir.Constant(index, 0))
-            return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(index, 4), [0, 0, 0, 0]))
-
-        def lerp(a: Any, b: Any, w: Any) -> Any:
-            return builder.fadd(a, builder.fmul(builder.fsub(b, a), w))
-
-        across, down, share = (spread(value) for value in arguments[6:9])
-        a, b, c, d = (texel(place) for place in arguments[2:6])
-        read = lerp(lerp(a, b, across), lerp(c, d, across), down)
-        old = ir.Constant(vector, ir.Undefined)
-        for k in range(4):
-            old = builder.insert_element(old, builder.extract_value(arguments[0], k), ir.Constant(index, k))
-        new = builder.fadd(old, builder.fmul(read, share))
-        channels = [builder.extract_element(new, ir.Constant(index, k)) for k in range(4)]
-        return context.make_tuple(builder, signature.return_type, channels)
-
-    return signature, generate
-
-
-def _add_interpreted(
-    total: Any, texels: Any, p: int, q: int, r: int, s: int, wx: Any, wy: Any, weight: Any
-) -> tuple[Any, ...]:
-    a, b = texels[p] + (texels[q] - texels[p]) * wx, texels[r] + (texels[s] - texels[r]) * wx
-    return tuple(old + new for old, new in zip(total, (a + (b - a) * wy) * weight, strict=True))
-
-
 def _call_interpreted(address: int, first: int, second: int, third: int, fourth: int) -> None:
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4)(address)(first, second, third, fourth)
 
@@ -254,7 +209,7 @@ def _identity(array: Any) -> Any:
 
 
 if JIT_DISABLED:
-    call_address, borrow, add_bilinear = _call_interpreted, _identity, _add_interpreted
+    call_address, borrow = _call_interpreted, _identity
 else:
 
     @numba.njit(cache=True)
@@ -270,11 +225,3 @@ else:
         a ray kernel's time). The caller keeps the array alive.
         """
         return _borrow(array)
-
-    @numba.njit(cache=True)
-    def add_bilinear(total, texels, p, q, r, s, wx, wy, weight):
-        """Add a weighted bilinear read to `total`, a tuple of four, where loops over channels do not vectorise.
-
-        texels (T, 4) are contiguous; p, q, r, s index the upper and the lower two. All numbers are of its type.
-        """
-        return _add_bilinear(total, texels, p, q, r, s, wx, wy, weight)

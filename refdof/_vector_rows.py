@@ -43,9 +43,8 @@ def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any,
     signature = types.void(upper, lower, place, out, k)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
-        above, below = (_midway(builder, *_every_second(builder, row, arguments[2])) for row in rows)
-        _store(builder, _midway(builder, above, below), target, arguments[4])
+        blend, target = _combined(context, builder, signature, arguments, _midway)
+        _store(builder, blend, target, arguments[4])
         return context.get_dummy_value()
 
     return signature, generate
@@ -56,13 +55,18 @@ def _mean_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, 
     signature = types.void(upper, lower, place, out, k)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
-        above, below = (builder.fadd(*_every_second(builder, row, arguments[2])) for row in rows)
-        quarter = ir.Constant(above.type, [0.25] * 16)
-        _store(builder, builder.fmul(builder.fadd(above, below), quarter), target, arguments[4])
+        total, target = _combined(context, builder, signature, arguments, ir.IRBuilder.fadd)
+        _store(builder, builder.fmul(total, ir.Constant(total.type, [0.25] * 16)), target, arguments[4])
         return context.get_dummy_value()
 
     return signature, generate
+
+
+def _combined(context: Any, builder: Any, signature: Any, arguments: Any, combine: Any) -> tuple[Any, Any]:
+    """Neighbours combined in either row, and the two results combined; and where the output begins."""
+    *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
+    above, below = (combine(builder, *_every_second(builder, row, arguments[2])) for row in rows)
+    return combine(builder, above, below), target
 
 
 def _bases(context: Any, builder: Any, signature: Any, arguments: Any, which: tuple[int, ...]) -> list[Any]:
@@ -109,18 +113,15 @@ else:
 
     @inline
     def blend_along(row, place, even, k, odd, m):
-        """Midway between texels 0, 1 and 2, 3 .. 6, 7 after `place`: even[k : k + 4]; 1, 2 .. 7, 8: odd[m : m + 4].
-
-        Ten texels after `place` are read.
-        """
+        """Of ten texels from `place` on, midway between 0, 1 .. 6, 7: even from k on; 1, 2 .. 7, 8: odd from m on."""
         _blend_along(row, place, even, k, odd, m)
 
     @inline
     def blend_squares(upper, lower, place, out, k):
-        """Midway between 2 x 2 texels, first along the two rows: of eight texels after `place`, out[k : k + 4]."""
+        """Of eight texels from `place` on, midway between 2 x 2, first along the rows: four of out from k on."""
         _blend_squares(upper, lower, place, out, k)
 
     @inline
     def mean_squares(upper, lower, place, out, k):
-        """Means of 2 x 2 texels, the rows' sums added: of eight texels after `place`, out[k : k + 4]."""
+        """Of eight texels from `place` on, means of 2 x 2, the rows' sums added: four of out from k on."""
         _mean_squares(upper, lower, place, out, k)

@@ -80,11 +80,5 @@ def lens_point(opening, u, v):
 @inline
 def _invert(sums, value):
     """Index and fraction at which the non-decreasing `sums` reach `value` in [0, 1)."""
-    low, high = 0, len(sums) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if sums[middle] <= value:
-            low = middle
-        else:
-            high = middle
+    low = min(max(np.searchsorted(sums, value, side="right") - 1, 0), len(sums) - 2)
     return low, (value - sums[low]) / (sums[low + 1] - sums[low])

@@ -22,7 +22,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.lens_pattern import LensPattern
-from refdof.methods._multiview_trace import light_of, pinhole_layer, ray_tangents
+from refdof.methods._multiview_trace import light_of, pinhole_light, ray_tangents
 from refdof.raster.coverage import coverage_mipmaps
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.shot import Shot
@@ -131,15 +131,9 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                     )
                     through = 0.0
                 total += weight - through
-            # Where every ray leaves the image, show what the pinhole sees.
-            if total == 0.0:
-                red, green, blue = background
+            if total == 0.0:  # every ray leaves the image
+                red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
                 total = 1.0
-                k = pinhole_layer(fields, x, y)
-                if k >= 0:
-                    dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
-                    found[:] = texels[k, y * out.shape[1] + x]
-                    red, green, blue = light_of(surfaces, found, dx, dy)
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 

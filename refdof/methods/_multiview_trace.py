@@ -16,7 +16,7 @@ from refdof.raster.ray_doubt import in_doubt
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_layer", "ray_tangents", "trace_hits"]
+__all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]
 
 _ROWS_PER_TASK = 8
 
@@ -90,6 +90,7 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
     """Rows first .. last - 1 of out (H, W, 3)."""
     fields, surface, points, weights = borrow_fields(fields), borrow(surface), borrow(points), borrow(weights)
     surfaces, out, sets = borrow_surfaces(surfaces), borrow(out), borrow(sets)
+    texels = surface.reshape(len(surface), out.shape[0] * out.shape[1], surface.shape[3])
     layers = np.empty(len(fields.coc), dtype=np.int64)
     half = points.dtype.type(0.5)
     for y in range(first, last):
@@ -112,14 +113,9 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
                     r, g, b = light_of(surfaces, surface[layers[place], j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
-            # Where every ray leaves the image, show what the pinhole sees.
-            if total == 0.0:
-                red, green, blue = background
+            if total == 0.0:  # every ray leaves the image
+                red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
                 total = 1.0
-                k = pinhole_layer(fields, x, y)
-                if k >= 0:
-                    dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
-                    red, green, blue = light_of(surfaces, surface[k, y, x], dx, dy)
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 
@@ -132,12 +128,13 @@ def ray_tangents(shot, x, y, vx, vy):
 
 
 @inline
-def pinhole_layer(fields, x, y):
-    """The first layer that is not empty at pixel (x, y); -1: none."""
+def pinhole_light(fields, texels, surfaces, shot, background, x, y):
+    """What the pinhole sees at pixel (x, y) of layers whose texels (K, >= H W, C) begin with the full picture."""
     for k in range(len(fields.coc)):
         if fields.coc[k, y, x] < np.inf:
-            return k
-    return -1
+            dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+            return light_of(surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
+    return background
 
 
 @inline

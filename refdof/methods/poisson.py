@@ -31,7 +31,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, as_choice, as_instance, as_number
-from refdof._jit import add_bilinear, borrow, inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
+from refdof._vectors import blend_texels
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.magnify import texels_around
 from refdof.raster.mipmap import box_mipmaps
@@ -215,7 +216,5 @@ def _read(texels, u, v, height, width):
     """A bilinear read at u, v [texels from the corner], clamped to the edge: a tuple of four."""
     x, x1, wx = texels_around(u, width)
     y, y1, wy = texels_around(v, height)
-    zero, one = type(u)(0), type(u)(1)
     first, second = y * width, y1 * width
-    nothing = (zero, zero, zero, zero)
-    return add_bilinear(nothing, texels, first + x, first + x1, second + x, second + x1, wx, wy, one)
+    return blend_texels(texels, first + x, first + x1, second + x, second + x1, wx, wy)

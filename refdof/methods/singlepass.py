@@ -27,12 +27,12 @@ References
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float, as_instance
+from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
+from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.planar import pad_planes, tap_of
 from refdof.trace import Trace
 from refdof.view import View
@@ -86,10 +86,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     trace.record("coc", lambda: coc)
     trace.record("size", lambda: _sizes(coc))
     trace.record("taps", lambda: spiral()[:, :2])
-    # Only the order of depths counts: any power of two brings them into the range of float32.
-    nearest = pinhole.depth.min(initial=np.inf, where=np.isfinite(pinhole.depth))
-    depth = np.ldexp(pinhole.depth, -int(np.frexp(nearest)[1])) if np.isfinite(nearest) else pinhole.depth
-    return blur(pinhole.color, _within(np.float32, depth), _within(np.float32, coc), params)
+    return blur(pinhole.color, depth_in_range(pinhole.depth), within(np.float32, coc), params)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -112,7 +109,8 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Raises
     ------
     InputError
-        If shapes disagree, an array is empty, a value is NaN, or a depth is not above 0.
+        If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
+        above 0.
 
     Notes
     -----
@@ -120,18 +118,12 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     all taps must fit the type: in float32, colours stay right up to 8e35.
     """
     as_instance("params", params, Params)
-    color = as_float("color", color, (None, None, 3))
-    if color.size == 0:
-        raise InputError(f"color: got shape {color.shape}; allowed is at least one pixel")
-    depth = as_float("depth", depth, color.shape[:2], dtype=color.dtype, finite=False)
-    if not (depth > 0).all():
-        raise InputError(f"depth: smallest value is {depth.min():g}; allowed are values > 0")
-    coc = as_float("coc", coc, color.shape[:2], dtype=color.dtype)
+    color, depth, coc = as_images(color, depth, coc)
     taps = spiral()
     split = [tap_of(dx, dy) for dx, dy, _ in taps]
     if params.depth_filter == "bilinear":  # signed, so that a blend across the focal plane passes through 0
         nearness = 1.0 / np.maximum(depth, np.finfo(color.dtype).tiny)
-        guides = np.stack([nearness, np.clip(coc, *_half_range(color.dtype))], axis=-1)
+        guides = np.stack([nearness, coc], axis=-1)
     else:
         guides = np.stack([-depth, _sizes(coc)], axis=-1)
     return _spread(
@@ -164,18 +156,6 @@ def spiral() -> Float:
 def _sizes(coc: Float) -> Float:
     """getBlurSize of [1]: |coc|, at most the largest blur [px]."""
     return np.minimum(np.abs(coc), coc.dtype.type(MAX_BLUR_SIZE))
-
-
-def _within(dtype: type, values: Float) -> Float:
-    """`values` as `dtype`, cut at its largest number."""
-    limits = np.finfo(dtype)
-    return np.clip(values, limits.min, limits.max).astype(dtype)
-
-
-def _half_range(dtype: np.dtype) -> tuple[Any, Any]:
-    """Bounds inside which the difference of two values is finite."""
-    limits = np.finfo(dtype)
-    return limits.min / 4, limits.max / 4
 
 
 @kernel

@@ -15,11 +15,11 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
-from refdof.raster.layer_color import inside_triangle
+from refdof.raster.layer_color import pinhole_hit
 from refdof.scene import SHADINGS
 from refdof.shading import lit, shading_normal, surface_color
 from refdof.shot import Shot
-from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+from refdof.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["ATTRIBUTES", "attributes_of", "shade_attributes"]
 
@@ -51,19 +51,15 @@ def attributes_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
 @kernel
 def _fill(surfaces, shot, triangle, out):
     """Fill out (N, H, W, 13)."""
-    scale = 1.0 / shot.pixels_per_tangent
     for y in prange(triangle.shape[1]):
         own = borrow_surfaces(surfaces)
-        dy = (0.5 * shot.height - y - 0.5) * scale
         for n in range(triangle.shape[0]):
             for x in range(triangle.shape[2]):
                 face = triangle[n, y, x]
                 if face < 0:
                     continue
-                dx, a = (x + 0.5 - 0.5 * shot.width) * scale, out[n, y, x]
-                material = own.face_material[face]
-                _, u, v = intersect(own.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
-                u, v = inside_triangle(u, v)
+                a, material = out[n, y, x], own.face_material[face]
+                u, v, dx, dy = pinhole_hit(own, shot, face, x, y)
                 w = 1.0 - u - v
                 color = _EMISSION if own.shading[material] == _UNLIT else _ALBEDO
                 a[color], a[color + 1], a[color + 2] = surface_color(own, face, w, u, v)

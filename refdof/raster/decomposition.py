@@ -240,14 +240,7 @@ def _check_memory(count: int, camera: Camera, texel_bytes: int) -> None:
 @inline
 def _home(bounds, coc):
     """The layer of a circle of confusion, by the stored bounds; the first and the last are closed."""
-    low, high = 0, len(bounds) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if bounds[middle] <= coc:
-            low = middle
-        else:
-            high = middle
-    return low
+    return min(max(np.searchsorted(bounds, coc, side="right") - 1, 0), len(bounds) - 2)
 
 
 @tile_kernel

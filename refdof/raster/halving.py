@@ -25,34 +25,18 @@ _STRICT = Rules(strict=True, fused=False, flush=False)
 @kernel
 def halve_box(fine, channels, out):
     """Means of 2 x 2 texels: fine (H, W C) -> out (h, w C). A size of 1 counts twice, the last of an odd one not."""
-    down, right = min(len(fine) - 1, 1), min(fine.shape[1] // channels - 1, 1)
+    down = min(len(fine) - 1, 1)
     for y in prange(len(out)):
-        upper, lower, row = borrow(fine)[2 * y], borrow(fine)[2 * y + down], borrow(out)[y]
-        # A constant number of channels lets the compiler take whole texels at once.
-        if channels == 4:
-            _box_row(upper, lower, right, 4, row)
-        elif channels == 3:
-            _box_row(upper, lower, right, 3, row)
-        elif channels == 1:
-            _box_row(upper, lower, right, 1, row)
-        else:
-            _box_row(upper, lower, right, channels, row)
+        _squares(borrow(fine)[2 * y], borrow(fine)[2 * y + down], channels, True, borrow(out)[y])
 
 
 @kernel
 def halve_linear(fine, channels, out):
     """Reads midway between 2 x 2 texels: fine (H, W C) -> out (h, w C). Sizes are even, or 1."""
-    down, right = min(len(fine) - 1, 1), min(fine.shape[1] // channels - 1, 1)
+    down = min(len(fine) - 1, 1)
     for y in prange(len(out)):
-        upper, lower, row = borrow(fine)[2 * y], borrow(fine)[2 * y + down], borrow(out)[y]
-        if channels == 4 and right:
-            _square_row(upper, lower, 1, 4, row)
-        elif channels == 3 and right:
-            _square_row(upper, lower, 1, 3, row)
-        elif channels == 1 and right:
-            _square_row(upper, lower, 1, 1, row)
-        else:
-            _square_row(upper, lower, right, channels, row)
+        row = borrow(out)[y]
+        _squares(borrow(fine)[2 * y], borrow(fine)[2 * y + down], channels, False, row)
         if not _all_finite(row):
             for i in range(len(row)):
                 if not np.isfinite(row[i]):
@@ -99,32 +83,40 @@ def halve_highest(fine, out):
 
 
 @inline
-def _box_row(upper, lower, right, channels, out):
-    """Means of two rows' texels. Unsigned places spare the test for negative ones."""
-    quarter, n, count = out.dtype.type(0.25), np.uintp(channels), len(out) // channels
-    done = count // 4 * 4 if channels == 4 and right == 1 else 0
-    for x in range(0, done, 4):
-        mean_squares(upper, lower, 2 * x, out, x)
-    for x in range(done, count):
-        for c in range(channels):
-            a = np.uintp(2 * x) * n + np.uintp(c)
-            b = np.uintp(2 * x + right) * n + np.uintp(c)
-            out[np.uintp(x) * n + np.uintp(c)] = ((upper[a] + upper[b]) + (lower[a] + lower[b])) * quarter
+def _squares(upper, lower, channels, mean, out):
+    """Means of 2 x 2 texels of two rows, or blends between them by plain arithmetic; a row of one texel repeats it."""
+    right = min(len(upper) // channels - 1, 1)
+    # A constant number of channels lets the compiler take whole texels at once.
+    if channels == 4:
+        _squares_of(upper, lower, right, 4, mean, out)
+    elif channels == 3:
+        _squares_of(upper, lower, right, 3, mean, out)
+    elif channels == 1:
+        _squares_of(upper, lower, right, 1, mean, out)
+    else:
+        _squares_of(upper, lower, right, channels, mean, out)
 
 
 @inline
-def _square_row(upper, lower, right, channels, out):
-    """Blends between 2 x 2 texels of two rows, by plain arithmetic."""
+def _squares_of(upper, lower, right, channels, mean, out):
+    """`_squares`, the second texel of each being `right` of the first. Unsigned places spare the test for negatives."""
     half, n, count = out.dtype.type(0.5), np.uintp(channels), len(out) // channels
     done = count // 4 * 4 if channels == 4 and right == 1 else 0
     for x in range(0, done, 4):
-        blend_squares(upper, lower, 2 * x, out, x)
+        if mean:
+            mean_squares(upper, lower, 2 * x, out, x)
+        else:
+            blend_squares(upper, lower, 2 * x, out, x)
     for x in range(done, count):
-        for c in range(channels):
-            a = np.uintp(2 * x) * n + np.uintp(c)
-            b = np.uintp(2 * x + right) * n + np.uintp(c)
-            above, below = _midway(upper[a], upper[b], half), _midway(lower[a], lower[b], half)
-            out[np.uintp(x) * n + np.uintp(c)] = _midway(above, below, half)
+        for channel in range(channels):
+            place = np.uintp(2 * x) * n + np.uintp(channel)
+            beside = place + np.uintp(right) * n
+            a, b, c, d = upper[place], upper[beside], lower[place], lower[beside]
+            if mean:
+                value = ((a + b) + (c + d)) * out.dtype.type(0.25)
+            else:
+                value = _midway(_midway(a, b, half), _midway(c, d, half), half)
+            out[np.uintp(x) * n + np.uintp(channel)] = value
 
 
 @inline

@@ -8,7 +8,7 @@ from refdof.shading import shade
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces, intersect
 
-__all__ = ["colors_of", "inside_triangle"]
+__all__ = ["colors_of", "pinhole_hit"]
 
 
 def colors_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
@@ -33,25 +33,27 @@ def colors_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
 @kernel
 def _fill(surfaces, shot, triangle, out):
     """Fill out (N, H, W, 3)."""
-    scale = 1.0 / shot.pixels_per_tangent
     for y in prange(triangle.shape[1]):
         own = borrow_surfaces(surfaces)
-        dy = (0.5 * shot.height - y - 0.5) * scale
         for n in range(triangle.shape[0]):
             for x in range(triangle.shape[2]):
                 face = triangle[n, y, x]
                 if face < 0:
                     continue
-                dx = (x + 0.5 - 0.5 * shot.width) * scale
-                _, u, v = intersect(own.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
-                u, v = inside_triangle(u, v)
+                u, v, dx, dy = pinhole_hit(own, shot, face, x, y)
                 red, green, blue = shade(own, face, u, v, dx, dy, -1.0)
                 out[n, y, x, 0], out[n, y, x, 1], out[n, y, x, 2] = red, green, blue
 
 
 @inline
-def inside_triangle(u, v):
-    """Barycentrics brought back into the triangle: a rasteriser covers centres a little outside, and edge-on far so."""
+def pinhole_hit(surfaces, shot, face, x, y):
+    """Barycentrics u, v where the ray (dx, dy, -1) of a pixel's centre meets a triangle, and dx, dy.
+
+    They are brought back into the triangle: a rasteriser covers centres a little outside, and edge-on far so.
+    """
+    scale = 1.0 / shot.pixels_per_tangent
+    dx, dy = (x + 0.5 - 0.5 * shot.width) * scale, (0.5 * shot.height - y - 0.5) * scale
+    _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
     u, v = max(u, 0.0), max(v, 0.0)
     total = max(u + v, 1.0)
-    return u / total, v / total
+    return u / total, v / total, dx, dy

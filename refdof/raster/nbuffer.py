@@ -263,10 +263,14 @@ def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, hi
         if not valid:
             continue
         near, far, least, greatest = borrow(lowest), borrow(highest), borrow(low)[part], borrow(high)[part]
-        if covered and block == 1:
+        if block == 1:
             extremes_of_four(borrow(flat_near), borrow(flat_far), places, least, greatest)
-            continue
+            if covered:
+                continue
         for k in range(len(left)):
+            width_k, height_k = right[k] - left[k] + 1, bottom[k] - top[k] + 1
+            if block == 1 and max(width_k, height_k) <= 2 << _level_of(width_k, height_k, count, exact):
+                continue
             if len(near):
                 least[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
             if len(far):

@@ -19,7 +19,7 @@ from refdof._check import Float, Index, InputError, as_float, shape_of
 from refdof._jit import kernel, prange
 from refdof.raster.filters import rules_of
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
-from refdof.raster.reads import read_levels, read_points
+from refdof.raster.reads import read_level, read_points
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
 
@@ -112,14 +112,11 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     if whole_bytes:
         return _trilinear_bytes(images, u, v, lod, model).reshape(*shape, images[0].shape[2])
     out = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
-    first, last = (int(lod.min()), math.ceil(lod.max())) if len(lod) else (0, 0)
-    needed, colour = images[first : last + 1], _as_floats(images[0], border, model)[1]
-    sizes = np.array([level.shape[:2] for level in needed])
-    starts = np.cumsum(sizes.prod(axis=1)) - sizes.prod(axis=1)
-    flat = np.concatenate([_decoded(level, model).reshape(-1, out.shape[1]) for level in needed])
     rounded, bordered = model.filter_bits > 0, border is not None
     with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
-        read_levels(flat, starts, sizes, first, u, v, lod, rounded, colour, bordered, rules_of(model), out)
+        for k in range(int(lod.min()), math.ceil(lod.max()) + 1) if len(lod) else ():
+            texels, colour = _as_floats(images[k], border, model)
+            read_level(texels, k, u, v, lod, rounded, colour, bordered, rules_of(model), out)
     return out.reshape(*shape, images[0].shape[2])
 
 
