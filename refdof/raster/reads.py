@@ -60,7 +60,7 @@ def _read_chunk(texels, level, places, how, begin, end, coarser, out):
 
 @inline
 def _read(texels, x, y, real, how, k, out):
-    """Row k of out: a bilinear read at x, y [texels from the corner; type `real`]; texels: the image, also flattened."""
+    """Row k of out: a bilinear read at x, y [texels from the corner; type `real`]; texels: image, and flattened."""
     image, flat = texels
     rounded, border, bordered, rules = how
     own = out.dtype.type
