@@ -3,7 +3,7 @@
 For 16 pixels and one cell of the lens at a time:
 
 1. every pixel draws its own point of that cell, once per replicate   `_square_points`, `_on_lens`, `_towards_focus`
-2. 16 rays are a packet                                               `_fill_packets`
+2. 16 rays are a packet, or 8                                         `_fill_packets`
 3. Embree finds the triangle each ray meets first
 4. depth, barycentrics and colour follow in float64                   `_gather`
 
@@ -45,7 +45,7 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
     """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2).
 
     seed: uint32. shared: one pattern for all pixels. box: sample the pixel's area, not its centre. packets
-    (K, ROWS, 16) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
+    (K, ROWS, LANES) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
     """
     group = min(sums.shape[0], LANES)
     cells = _cells_together(len(block.cells)) if group == 1 else 1
@@ -68,7 +68,7 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
 
 @inline
 def _cells_together(cells):
-    """How many neighbouring cells of one net share a packet: the rest of its 16 rays are neighbouring pixels'."""
+    """How many neighbouring cells of one net share a packet: the rest of its rays are neighbouring pixels'."""
     if cells >= 256:
         return 16
     return 4 if cells >= 64 else 1

@@ -4,8 +4,9 @@ The only file that knows Embree. `Tracer` owns a device and a scene; kernels get
 through `refdof._jit.call_address`. Embree decides in float32 *which* triangle a ray meets; kernels recompute depth
 and barycentrics in float64 from that triangle.
 
-Ray packets are rows of a float32 array (ROWS, LANES): Embree's RTCRayHit16. The integer rows are the same memory
-seen as int32.
+Ray packets are rows of a float32 array (ROWS, LANES): Embree's RTCRayHit16, or its RTCRayHit8 on processors without
+16 lanes, where Embree traces the rays of a wider packet one by one. The integer rows are the same memory seen as int32.
+The width decides nothing but which triangle a ray meets that runs through an edge, within Embree's roundings.
 
 References
 ----------
@@ -36,7 +37,6 @@ __all__ = [
     "new_tracer",
 ]
 
-LANES = 16
 ROWS = 22  # 12 of the ray, 10 of the hit
 
 
@@ -52,7 +52,7 @@ _FLOAT3, _UINT3 = 0x9003, 0x5003
 _ROBUST = 4  # scene flag: no ray slips between triangles that share an edge
 _HIGH_QUALITY = 2  # spatial splits: long thin triangles, such as fences, are traced several times faster
 _COHERENT, _INVOKE_FILTER = 1 << 16, 1 << 1  # query flags
-_VERSION_PROPERTY = 0
+_VERSION_PROPERTY, _NATIVE_16_PROPERTY = 0, 34
 _SUPPORTED_MAJOR = 4  # the layout of rays and hits above is that of Embree 4
 
 _P = ctypes.c_void_p
@@ -130,19 +130,19 @@ def new_tracer(vertices: Float, faces: Index) -> Tracer:
     error = library.rtcGetDeviceError(device)
     if error:
         raise RuntimeError(f"Embree could not build the scene: error {error}")
-    addresses = (_address(library.rtcIntersect16), _address(library.rtcIntersect1))
+    addresses = (_address(getattr(library, f"rtcIntersect{LANES}")), _address(library.rtcIntersect1))
     tracer = Tracer(scene, *addresses)
     weakref.finalize(tracer, _release, library, scene, device)
     return tracer
 
 
 def new_packets(count: int) -> Float:
-    """Working memory (count, ROWS, 16) float32 for packets of rays, aligned as Embree wants it."""
+    """Working memory (count, ROWS, LANES) float32 for packets of rays, aligned as Embree wants it."""
     return _aligned(count * ROWS * LANES * 4).view(np.float32).reshape(count, ROWS, LANES)
 
 
 def new_query(coherent: bool) -> Index:
-    """(32,) int32: 16 valid lanes, then Embree's RTCIntersectArguments, which ask for coherent traversal or not."""
+    """(32,) int32: valid lanes, room for 16, then RTCIntersectArguments, which ask for coherent traversal or not."""
     query = _aligned(128).view(np.int32)
     query[:16] = -1
     query[16] = _COHERENT if coherent else 0
@@ -173,6 +173,15 @@ def _library() -> ctypes.CDLL:
         function = getattr(library, name)
         function.restype, function.argtypes = result, arguments
     return library
+
+
+def _lanes() -> int:
+    """Rays of a packet that this processor traces together."""
+    library = _library()
+    device = library.rtcNewDevice(b"threads=1")
+    native = library.rtcGetDeviceProperty(device, _NATIVE_16_PROPERTY)
+    library.rtcReleaseDevice(device)
+    return 16 if native else 8
 
 
 def _fill(library: ctypes.CDLL, geometry: int, kind: int, layout: int, values: np.ndarray) -> None:
@@ -217,3 +226,6 @@ def new_collector(room: int) -> Collector:
     arguments[2:4] = np.array([context.ctypes.data], dtype=np.int64).view(np.int32)
     arguments[4:6] = np.array([_collect.address], dtype=np.int64).view(np.int32)
     return Collector(ray, ray.view(np.int32), context, arguments, room, ray.ctypes.data, arguments.ctypes.data)
+
+
+LANES = _lanes()
