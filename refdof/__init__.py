@@ -13,6 +13,7 @@ from refdof import metrics
 from refdof._check import InputError
 from refdof.aperture import Aperture
 from refdof.camera import Camera
+from refdof.forecast import Forecast, forecast
 from refdof.lens import ThinLens
 from refdof.load import load_scene
 from refdof.methods import METHODS
@@ -30,6 +31,7 @@ __all__ = [
     "SCENES",
     "Aperture",
     "Camera",
+    "Forecast",
     "InputError",
     "Light",
     "Material",
@@ -39,6 +41,7 @@ __all__ = [
     "Scene",
     "ThinLens",
     "View",
+    "forecast",
     "lens_samples",
     "load_scene",
     "metrics",

@@ -22,11 +22,13 @@ from refdof._jit import use_threads
 from refdof.atomic import check_folder
 from refdof.camera import Camera
 from refdof.compare import compare as compare_scene
+from refdof.forecast import Forecast
 from refdof.image_file import SUFFIXES, save_image
 from refdof.lens import ThinLens
 from refdof.load import load_scene
 from refdof.method_facts import facts_of
 from refdof.methods import METHODS
+from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.scene import Scene
@@ -54,6 +56,7 @@ Focus = Annotated[float | None, typer.Option("--focus", help="Focus distance [sc
 Seed = Annotated[int, typer.Option("--seed", help="Seed of the reference.")]
 Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
 Tolerance = Annotated[float | None, typer.Option("--tolerance", help="Standard error to reach instead of --samples.")]
+Most = Annotated[int, typer.Option("--max-samples", help="Samples at which a pixel stops above --tolerance.")]
 Threads = Annotated[int | None, typer.Option("--threads", help="Threads; the result does not depend on them.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A parameter; repeatable.")]
@@ -135,6 +138,7 @@ def compare(
     seed: Seed = 0,
     samples: Samples = 256,
     tolerance: Tolerance = None,
+    max_samples: Most = MAX_SAMPLES,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -147,7 +151,11 @@ def compare(
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             scene, camera, lens = _shot(name, size, lens_radius, focus)
-            comparisons.append(compare_scene(scene, names, params, camera, lens, samples, tolerance, seed, tell))
+            comparisons.append(
+                compare_scene(
+                    scene, names, params, camera, lens, samples, tolerance, seed, tell, max_samples, _announce
+                )
+            )
         tell("report", 0, 1)
         write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
     if as_json:
@@ -244,6 +252,10 @@ def _progress() -> Iterator[Any]:
             bar.update(line, description=what, completed=done, total=count)
 
         yield tell
+
+
+def _announce(forecast: Forecast) -> None:
+    print(f"refdof: reference: {forecast}", file=sys.stderr)
 
 
 def _title(module: Any) -> str:

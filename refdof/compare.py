@@ -9,10 +9,11 @@ import numpy as np
 from refdof._check import InputError
 from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
+from refdof.forecast import Forecast, forecast_of_view
 from refdof.lens import ThinLens
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
-from refdof.reference import reference_of_view
+from refdof.reference import MAX_SAMPLES, reference_of_view
 from refdof.rendering import make_params, render_view
 from refdof.scene import Part, Scene
 from refdof.view import View
@@ -30,6 +31,8 @@ def compare(
     tolerance: float | None = None,
     seed: int = 0,
     progress: Callable[[str, int, int], None] | None = None,
+    max_samples: int = MAX_SAMPLES,
+    announce: Callable[[Forecast], None] | None = None,
 ) -> Comparison:
     """Render the reference and every method, and score them.
 
@@ -44,6 +47,10 @@ def compare(
         Of the reference.
     progress : callable, optional
         Called with (what, done, all).
+    max_samples : int
+        Of the reference, where `tolerance` is not met before.
+    announce : callable, optional
+        Called with the `Forecast` of a reference with a tolerance before it starts.
 
     Raises
     ------
@@ -63,7 +70,11 @@ def compare(
         tell("reference", done, count)
 
     warm_up("accumulation", {})  # the reference's kernels are the same
-    truth = reference_of_view(view, samples=samples, tolerance=tolerance, seed=seed, progress=step)
+    if tolerance is not None and announce is not None:
+        announce(forecast_of_view(view, tolerance, max_samples, seed))
+    truth = reference_of_view(
+        view, samples=samples, tolerance=tolerance, seed=seed, progress=step, max_samples=max_samples
+    )
     rows = []
     for k, (name, values) in enumerate(chosen.items()):
         tell(name, k, len(chosen))

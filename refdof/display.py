@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from refdof._check import Float, as_float
+from refdof._jit import inline
 
-__all__ = ["display", "display_slope", "linear_from_display", "to_8_bit"]
+__all__ = ["display", "display_slope", "encode", "encode_one", "linear_from_display", "to_8_bit"]
 
 # [1]: the straight piece near black, and the power curve above it.
 _KNEE = 0.0031308
@@ -37,9 +38,20 @@ def display(linear: Any) -> Float:
     InputError
         If the shape is wrong or a value is NaN.
     """
-    light = np.clip(as_float("image", linear, (None, None, 3), dtype=np.float64, finite=False), 0.0, 1.0)
-    curve = _SCALE * np.power(light, 1.0 / _GAMMA) - _OFFSET
-    return np.where(light <= _KNEE, _SLOPE * light, curve).astype(np.float32)
+    return encode(as_float("image", linear, (None, None, 3), dtype=np.float64, finite=False)).astype(np.float32)
+
+
+def encode(light: Float) -> Float:
+    """`display` of float64 values of any shape, not rounded."""
+    light = np.clip(light, 0.0, 1.0)
+    return np.where(light <= _KNEE, _SLOPE * light, _SCALE * np.power(light, 1.0 / _GAMMA) - _OFFSET)
+
+
+@inline
+def encode_one(light):
+    """The display value of one linear value, in float64."""
+    light = min(max(light, 0.0), 1.0)
+    return _SLOPE * light if light <= _KNEE else _SCALE * light ** (1.0 / _GAMMA) - _OFFSET
 
 
 def to_8_bit(linear: Any) -> npt.NDArray[np.uint8]:

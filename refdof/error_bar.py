@@ -21,7 +21,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import inline, tile_kernel
 
-__all__ = ["Estimate", "grid_of", "student_quantile", "summarise", "unfinished"]
+__all__ = ["Estimate", "excess", "grid_of", "student_quantile", "summarise", "unfinished"]
 
 _REACH = 2  # px: how far the neighbours are that tell a pixel what it may have missed
 _AGREE = 1e-12  # standard errors below this are roundings of equal estimates
@@ -36,11 +36,10 @@ def grid_of(pixels: Index) -> Index:
 
 
 class Estimate(NamedTuple):
-    """N pixels: mean, standard error, third central moment of the mean, and interval, (N, 3) float64 each."""
+    """N pixels: mean, standard error and interval, (N, 3) float64 each."""
 
     mean: Float
     error: Float
-    third: Float
     low: Float
     high: Float
 
@@ -61,13 +60,13 @@ def summarise(sums: Float, spent: Index, grid: Index) -> Estimate:
 def _summarise(sums, spent, grid, quantile):
     """The fields of an `Estimate`."""
     replicates, count = sums.shape[0], sums.shape[1]
-    mean, error, third = np.empty((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    mean, error = np.empty((count, 3)), np.zeros((count, 3))
     low, high = np.empty((count, 3)), np.empty((count, 3))
     certain = np.ones(count, dtype=np.bool_)
     for p in range(count):
         for c in range(3):
             # Deviations from the first estimate: equal estimates give an error of exactly 0.
-            first, total, squares, cubes = sums[0, p, c] / spent[p], 0.0, 0.0, 0.0
+            first, total, squares = sums[0, p, c] / spent[p], 0.0, 0.0
             low[p, c], high[p, c] = first, first
             for r in range(1, replicates):
                 estimate = sums[r, p, c] / spent[p]
@@ -77,12 +76,9 @@ def _summarise(sums, spent, grid, quantile):
             for r in range(replicates):
                 deviation = sums[r, p, c] / spent[p] - first - total
                 squares += deviation * deviation
-                cubes += deviation * deviation * deviation
             mean[p, c] = first + total
             if replicates > 1:
                 error[p, c] = np.sqrt(squares / (replicates - 1) / replicates)
-            if replicates > 2:
-                third[p, c] = cubes / (replicates - 1) / (replicates - 2) / replicates
             certain[p] = certain[p] and error[p, c] < _AGREE
     least, most = low.copy(), high.copy()
     height, width = grid.shape
@@ -114,7 +110,7 @@ def _summarise(sums, spent, grid, quantile):
                     for q in next_to.flat:
                         darkest, brightest = min(darkest, mean[q, c]), max(brightest, mean[q, c])
                     error[p, c] = (brightest - darkest) / (replicates * spent[p])
-    return mean, error, third, low, high
+    return mean, error, low, high
 
 
 @inline
@@ -140,18 +136,25 @@ def _unseen_share(replicates, quantile):
     return square / (replicates + square) if replicates > 1 else 1.0
 
 
+def excess(found: Estimate, tolerance: float) -> Float:
+    """Error of each pixel (N,), largest channel, over what is allowed: tolerance * max(1, its brightest channel)."""
+    allowed = tolerance * np.maximum(1.0, np.abs(found.mean).max(axis=1))
+    share: Float = found.error.max(axis=1) / allowed
+    return share
+
+
 @tile_kernel
 def unfinished(mean, error, spent, grid, tolerance, most):
     """Which pixels (N,) need twice the points: above the tolerance, or within 2 px of one that is; the least sampled.
 
-    A pixel v is above it if a channel's error exceeds tolerance * max(1, v). A pixel whose few samples all missed a
+    A pixel is above it if its `excess` is above 1. A pixel whose few samples all missed a
     small bright thing looks finished; its neighbours tell.
     """
     count = len(mean)
     above = np.zeros(count, dtype=np.bool_)
     for p in range(count):
-        for c in range(3):
-            above[p] = above[p] or error[p, c] > tolerance * max(1.0, abs(mean[p, c]))
+        allowed = tolerance * max(1.0, abs(mean[p, 0]), abs(mean[p, 1]), abs(mean[p, 2]))
+        above[p] = max(error[p, 0], error[p, 1], error[p, 2]) > allowed
     todo = np.zeros(count, dtype=np.bool_)
     least = most
     height, width = grid.shape

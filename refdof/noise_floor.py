@@ -1,7 +1,15 @@
 """Noise floor: the PSNR that even a perfect image gets against a reference that still has noise.
 
-Against a noisy reference the squared error is the method's own plus the reference's variance. A score within
-a few decibels of this floor measures the reference, not the method.
+Against a noisy reference the squared error is the method's own plus the reference's. A score within a few decibels of
+this floor measures the reference, not the method.
+
+`noise_floor_psnr` takes the noise for normal. The noise of small bright lamps is not: most pixels that should show
+some of a lamp show none of it, with an error bar of none. A `refdof.Reference` therefore measures its floor by its R
+independent estimates, without any model of their distribution:
+
+1. Show means of 1, 2, 4 and 8 of 16 disjoint groups of estimates on the display curve           `noise_moments`
+2. Their variance, and how far their expected values move when n doubles (their bias)            `noise_moments`
+3. Both go on as they did before, up to the mean of all 16                                        `floor_of_moments`
 """
 
 import math
@@ -10,9 +18,15 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, as_float
-from refdof.display import display_slope
+from refdof._jit import inline, tile_kernel
+from refdof.display import display_slope, encode_one
 
-__all__ = ["noise_floor_psnr"]
+__all__ = ["GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
+
+GROUPS = 16  # of estimates
+_LEVELS = 4  # 1, 2, 4, 8 groups
+_DOUBLINGS = 16  # after which a bias counts as gone
+_NORMAL = 0.5  # variance of twice as many groups over that of so many, for noise that passes the curve by its slope
 
 
 def noise_floor_psnr(reference: Any, standard_error: Any) -> float:
@@ -58,3 +72,89 @@ def _share_below_white(value: Float, error: Float) -> Float:
     above = np.maximum(0.0, (1.0 + t * t) * tail - t * density)
     below = 1.0 - tail - t * density + t * t * tail
     return np.where(noisy, np.where(value >= 1.0, above, below), 0.0)
+
+
+@tile_kernel
+def noise_moments(sums, spent):
+    """Display noise of pixels, summed over N pixels and 3 channels.
+
+    Parameters
+    ----------
+    sums : (R, N, 3) float64
+        Over `spent` (N,) points per replicate, R >= 16. Replicates beyond a multiple of 16 are left out.
+
+    Returns
+    -------
+    (7,) float64
+        Variance of means of 1, 2, 4 and 8 groups; squared change of the expected value from 1 to 2, 2 to 4 and 4 to 8
+        groups, products of independent estimates of the change, so that both are unbiased.
+    """
+    size = sums.shape[0] // GROUPS
+    moments, groups, shown = np.zeros(2 * _LEVELS - 1), np.zeros(GROUPS), np.zeros((_LEVELS, GROUPS))
+    for p in range(sums.shape[1]):
+        for c in range(3):
+            same = True
+            for g in range(GROUPS):
+                groups[g] = 0.0
+                for r in range(g * size, (g + 1) * size):
+                    groups[g] += sums[r, p, c]
+                groups[g] /= size * spent[p]
+                same = same and groups[g] == groups[0]
+            if not same:
+                for order in range(_LEVELS):
+                    _add_moments(groups, order, shown, moments)
+    for k in range(len(moments)):
+        moments[k] /= _LEVELS
+    return moments
+
+
+@inline
+def _add_moments(groups, order, shown, moments):
+    """Add one value's moments, from halves of halves: the first half are the groups whose number has bit `order` 0."""
+    for g in range(GROUPS):
+        place = ((g >> order) | (g << (_LEVELS - order))) & (GROUPS - 1)
+        shown[0, place] = groups[g]
+    # shown[j, k]: mean of 2^j groups, k = 0 .. 16 / 2^j - 1; then its display value.
+    for j in range(1, _LEVELS):
+        for k in range(GROUPS >> j):
+            shown[j, k] = 0.5 * (shown[j - 1, 2 * k] + shown[j - 1, 2 * k + 1])
+    for j in range(_LEVELS):
+        for k in range(GROUPS >> j):
+            shown[j, k] = encode_one(shown[j, k])
+    for j in range(_LEVELS):
+        count = GROUPS >> j
+        total, squares, change, changes = 0.0, 0.0, 0.0, 0.0
+        for k in range(count):
+            deviation = shown[j, k] - shown[j, 0]
+            total, squares = total + deviation, squares + deviation * deviation
+            if j > 0:
+                step = shown[j, k] - 0.5 * (shown[j - 1, 2 * k] + shown[j - 1, 2 * k + 1])
+                change, changes = change + step, changes + step * step
+        moments[j] += (squares - total * total / count) / (count - 1)
+        if j > 0:
+            moments[_LEVELS + j - 1] += (change * change - changes) / (count * (count - 1))
+
+
+def floor_of_moments(moments: Float, values: int, replicates: int) -> float:
+    """PSNR ceiling [dB] from summed `noise_moments` of so many values; inf without noise.
+
+    While most groups miss a lamp, neither variance nor bias falls with n; then both fall ever faster, until variance
+    halves as n doubles. So each ratio of neighbours changes on by the same factor, and the variance's ends at 1/2.
+    """
+    variance, change = moments[:_LEVELS], np.maximum(moments[_LEVELS:], 0.0)
+    if not variance[-1] > 0.0:
+        return math.inf
+    before, last = variance[-2] / variance[-3], variance[-1] / variance[-2]
+    rest = variance[-1] * min(max(last * last / before, _NORMAL), 1.0)
+    rest *= GROUPS * (replicates // GROUPS) / replicates
+    bias = 0.0
+    if change.all():
+        before, last = change[-2] / change[-3], change[-1] / change[-2]
+        bend = min(last / before, 1.0)
+        ratio = min(last * bend, 1.0)
+        step = change[-1] * ratio  # from 8 to 16 groups: that is in the picture already
+        for _ in range(_DOUBLINGS):
+            ratio *= bend
+            step *= ratio
+            bias += step
+    return 10.0 * math.log10(values / (rest + bias))

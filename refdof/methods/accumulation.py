@@ -23,6 +23,7 @@ from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
 from refdof.reference import estimate
+from refdof.tile_sampler import Spend
 from refdof.trace import Trace
 from refdof.view import View
 
@@ -61,7 +62,8 @@ class Params:
 
 def render(view: View, params: Params, trace: Trace) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    return estimate(view, params.samples, 1, params.seed, None, "centre", params.shared_pattern, None).image
+    spend = Spend(params.samples, None, params.samples)
+    return estimate(view, 1, params.seed, spend, shared_pattern=params.shared_pattern).image
 
 
 def fetch_units(params: Params, width: int, height: int) -> float:

@@ -1,0 +1,107 @@
+"""Tile sampler: the estimates of one tile of pixels, from the first look to the last doubling.
+
+A tile's rays are made, traced and shaded at once, so that its working set stays in the nearest caches.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdof._check import Float, Index
+from refdof.error_bar import Estimate, grid_of, summarise, unfinished
+from refdof.lens_rays import tile_order, trace_block
+from refdof.noise_floor import GROUPS, noise_moments
+from refdof.opening import opening_of
+from refdof.owen import block_of
+from refdof.raster.raycast import new_packets, new_query
+from refdof.small_lights import first_samples
+from refdof.view import View
+
+__all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "power_of_two"]
+
+_TILE = 16  # px
+_PACKETS = 16  # traced between generating and shading
+FIRST_POINTS = 8  # per replicate, before the first look at the error
+
+
+@dataclass(frozen=True)
+class Spend:
+    """How many samples: `samples` per pixel; or, with a `tolerance`, as many as it needs, at most `most` per pixel."""
+
+    samples: int
+    tolerance: float | None
+    most: int
+
+
+@dataclass(frozen=True)
+class TileEstimate:
+    """A tile's pixels, by row and column (N,), the points spent on each per replicate (N,), and what they say.
+
+    noise: `refdof.noise_floor.noise_moments`.
+    """
+
+    rows: Index
+    columns: Index
+    spent: Index
+    found: Estimate
+    noise: Float
+
+
+class TileSampler:
+    """Samples the tiles of one view."""
+
+    def __init__(self, view: View, replicates: int, seed: int, spend: Spend, box: bool, shared_pattern: bool) -> None:
+        self.width, self.height = view.camera.size
+        self.replicates, self.tolerance = replicates, spend.tolerance
+        self.most_points = int(power_of_two(spend.most / replicates))
+        self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
+        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.shot()
+        self._opening = opening_of(view.lens.aperture)
+        if spend.tolerance is None:
+            self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
+        else:
+            wanted = power_of_two(first_samples(view, spend.tolerance) / replicates)
+            self._first = np.clip(wanted, min(FIRST_POINTS, self.most_points), self.most_points)
+
+    def corners(self) -> list[tuple[int, int]]:
+        """The tiles, by their upper left pixel (x, y)."""
+        return [(x, y) for y in range(0, self.height, _TILE) for x in range(0, self.width, _TILE)]
+
+    def tile(self, corner: tuple[int, int], refine: bool = True) -> TileEstimate:
+        """Sample a tile: the first look, and with a tolerance and `refine` the doublings that it asks for."""
+        x, y = corner
+        pixels = tile_order(x, y, min(x + _TILE, self.width), min(y + _TILE, self.height))
+        rows, columns = pixels[:, 1], pixels[:, 0]
+        sums, spent = np.zeros((self.replicates, len(pixels), 3)), self._first[rows, columns]
+        for count in np.unique(spent):
+            todo: Index = np.flatnonzero(spent == count)
+            sums[:, todo] = self._trace(pixels[todo], 0, int(count))
+        grid = grid_of(pixels)
+        found = summarise(sums, spent, grid)
+        while self.tolerance is not None and refine:
+            todo = np.flatnonzero(unfinished(found.mean, found.error, spent, grid, self.tolerance, self.most_points))
+            if not len(todo):
+                break
+            have = int(spent[todo[0]])
+            sums[:, todo] += self._trace(pixels[todo], have, have)
+            spent[todo] += have
+            found = summarise(sums, spent, grid)
+        noise = noise_moments(sums, spent) if self.replicates >= GROUPS else np.zeros(0)
+        return TileEstimate(rows, columns, spent, found, noise)
+
+    def _trace(self, pixels: Index, start: int, count: int) -> Any:
+        """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
+        sums = np.zeros((self.replicates, len(pixels), 3))
+        packets, query = new_packets(_PACKETS), new_query(coherent=True)
+        block = block_of(start, count.bit_length() - 1)
+        trace_block(
+            self._surfaces, self._tracer.scene, self._tracer.packet, query, self._shot, self._opening, block,
+            pixels, self._seed, self._shared, self._box, packets, sums,
+        )  # fmt: skip
+        return sums
+
+
+def power_of_two(count: Any) -> Any:
+    """The smallest power of two that is not below `count`, at least 1."""
+    return np.exp2(np.ceil(np.log2(np.maximum(count, 1)))).astype(np.int64)
