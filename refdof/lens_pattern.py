@@ -31,7 +31,7 @@ __all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
 JITTERS = ("none", "noise", "halton")
 _TILE_PX = 64
 _PAIRS = 16
-_LARGEST_COUNT = 4096  # a set for every pixel of the tile then takes 384 MiB, and four times that while it is made
+_LARGEST_COUNT = 4096  # a set for every pixel of the tile then takes 384 MiB
 
 
 class LensPattern(NamedTuple):
