@@ -221,7 +221,7 @@ else:
     def borrow(array):
         """The same array without its reference count, for inner loops of many threads.
 
-        Counting references to a shared array is an atomic write to one memory cell by every thread (measured: half of
-        a ray kernel's time). The caller keeps the array alive.
+        Counting references to a shared array is an atomic write to one memory cell by every thread, for which
+        they wait. The caller keeps the array alive.
         """
         return _borrow(array)

@@ -9,7 +9,7 @@ halton  every pixel takes `count` points in a row, from its own start, out of 2 
 The texture of noise and starts repeats every 64 pixels. With noise, the 16 ordered pairs of a texel's four numbers
 serve 1/16 of the points each, and a point moves by up to half the mean distance to its nearest neighbour along x and
 along y; [1] gives neither. A single point goes anywhere on the lens. A point that leaves the opening is mirrored at its
-rim.
+rim, and one that comes to a darker texel of an image may stay where it was.
 
 References
 ----------
@@ -21,8 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from refdof._check import Float, Index, InputError, as_choice, as_integer
+from refdof._check import Float, Index, as_choice, as_integer
 from refdof.aperture import Aperture
+from refdof.lens_shape import mirrored
 from refdof.sampling import lens_samples
 
 __all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
@@ -30,14 +31,14 @@ __all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
 JITTERS = ("none", "noise", "halton")
 _TILE_PX = 64
 _PAIRS = 16
-_LARGEST_COUNT = 4096  # a set for every pixel of the tile then takes 384 MiB, and four times that while it is made
+_LARGEST_COUNT = 4096  # a set for every pixel of the tile then takes 384 MiB
 
 
 class LensPattern(NamedTuple):
     """K sets of N lens points. Pixel (x, y) uses set[y % side, x % side].
 
-    points (K, N, 2) float64, on the unit lens disc, x right, y up; weights (K, N) float64, mean 1 in each set;
-    set (side, side) int32.
+    points (K, N, 2) float64, on the unit lens disc, x right, y up; weights (K, N) float64, mean 1 in each set, and here
+    all ones; set (side, side) int32.
     """
 
     points: Float
@@ -55,7 +56,7 @@ def lens_pattern(
     count : int
         Points per pixel, 1 .. 4096.
     aperture : Aperture
-        Image apertures give weights other than 1.
+        Points are as dense as its light.
     jitter : one of `JITTERS`
     pattern : str
         One of `refdof.sampling.PATTERNS`; with "halton" jitter always Halton.
@@ -65,7 +66,7 @@ def lens_pattern(
     Raises
     ------
     InputError
-        If an argument is out of range, or no point meets a texel of an image aperture that lets light through.
+        If an argument is out of range.
     """
     count = as_integer("count", count, minimum=1, maximum=_LARGEST_COUNT)
     jitter = as_choice("jitter", jitter, JITTERS)
@@ -78,7 +79,7 @@ def lens_pattern(
         points, weights = lens_samples(2 * count, "halton", seed, aperture)
         window = (np.arange(2 * count)[:, None] + np.arange(count)) % (2 * count)
         chosen = random.integers(0, 2 * count, (_TILE_PX, _TILE_PX), dtype=np.int32)
-        return LensPattern(points[window], _with_mean_one(weights[window]), chosen)
+        return LensPattern(points[window], weights[window], chosen)
     points, _ = lens_samples(count, pattern, seed, aperture)
     noise = random.random((_TILE_PX * _TILE_PX, 4))
     pair = np.arange(count) * _PAIRS // count
@@ -86,10 +87,9 @@ def lens_pattern(
     if count == 1:  # no neighbour: anywhere on the lens
         moved = aperture.from_square(noise[:, :2])
     else:
-        moved = _inside(aperture, (points + 0.5 * mean_nearest_distance(points) * shift).reshape(-1, 2))
-    weights = aperture.transmission(moved).reshape(-1, count)
+        moved = _moved(aperture, points, 0.5 * mean_nearest_distance(points) * shift, random).reshape(-1, 2)
     chosen = np.arange(_TILE_PX * _TILE_PX, dtype=np.int32).reshape(_TILE_PX, _TILE_PX)
-    return LensPattern(moved.reshape(-1, count, 2), _with_mean_one(weights), chosen)
+    return LensPattern(moved.reshape(-1, count, 2), np.ones((len(noise), count)), chosen)
 
 
 def mean_nearest_distance(points: Float) -> float:
@@ -99,32 +99,15 @@ def mean_nearest_distance(points: Float) -> float:
     return float(cKDTree(points).query(points, k=2)[0][:, 1].mean())
 
 
-def _with_mean_one(weights: Float) -> Float:
-    """Weights (K, N), each row divided by its mean."""
-    mean = weights.mean(axis=1, keepdims=True)
-    if not (mean > 0.0).all():
-        raise InputError(f"count: got {weights.shape[1]}, and no sample meets the opening; allowed are more samples")
-    return weights / mean
+def _moved(aperture: Aperture, points: Float, shift: Float, random: np.random.Generator) -> Float:
+    """Points (N, 2) moved by shift (K, N, 2), and still as dense as the light: (K, N, 2).
 
-
-def _inside(aperture: Aperture, points: Float) -> Float:
-    """Points (N, 2) with those outside the opening mirrored at its rim, along the line to its centre."""
-    scale = np.asarray(aperture.scale)
-    plain = points / scale  # of the opening before its anamorphic squeeze
-    reach = np.hypot(plain[:, 0], plain[:, 1])
-    rim = _rim(aperture.boundary, plain)
-    factor = np.where(reach > rim, np.maximum(2.0 * rim - reach, 0.0) / np.where(reach > 0.0, reach, 1.0), 1.0)
-    return plain * factor[:, None] * scale
-
-
-def _rim(boundary: Float, points: Float) -> Float:
-    """Distance (N,) from the centre to the rim in the directions of points (N, 2); no boundary: the unit circle."""
-    if len(boundary) == 0:
-        return np.ones(len(points))
-    corner_angle = np.unwrap(np.arctan2(boundary[:, 1], boundary[:, 0]))
-    turn = (np.arctan2(points[:, 1], points[:, 0]) - corner_angle[0]) % (2.0 * np.pi)
-    k = np.searchsorted(corner_angle - corner_angle[0], turn, side="right") - 1
-    a, b = boundary[k], boundary[(k + 1) % len(boundary)]
-    x, y = np.cos(turn + corner_angle[0]), np.sin(turn + corner_angle[0])
-    across = x * (b[:, 1] - a[:, 1]) - y * (b[:, 0] - a[:, 0])
-    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / across
+    On an image, a move to a darker texel is taken with the odds of the transmissions there and here, else the point
+    stays (Metropolis); elsewhere a point that leaves the opening is mirrored at its rim.
+    """
+    moved = points + shift
+    flat = moved.reshape(-1, 2)
+    if not aperture.is_image:
+        return mirrored(aperture, flat).reshape(moved.shape)
+    odds = aperture.transmission(flat).reshape(moved.shape[:2]) / aperture.transmission(points)
+    return np.where((random.random(odds.shape) < odds)[..., None], moved, points)

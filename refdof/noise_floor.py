@@ -63,7 +63,7 @@ def _share_below_white(value: Float, error: Float) -> Float:
     With t = |value - 1| / error, upper tail Q and density p it is (1 + t^2) Q - t p above white and
     1 - Q - t p + t^2 Q below.
     """
-    from scipy.special import ndtr  # 0.1 s to import
+    from scipy.special import ndtr  # slow to import
 
     noisy = error > 0.0
     t = np.minimum(np.abs(value - 1.0) / np.where(noisy, error, 1.0), 40.0)  # the tails underflow beyond

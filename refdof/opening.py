@@ -10,7 +10,8 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline
-from refdof.aperture import Aperture, concentric_disc, gaussian_stretch
+from refdof.aperture import Aperture
+from refdof.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
 
 __all__ = ["Opening", "borrow_opening", "is_plain_disc", "lens_point", "opening_of"]
 
@@ -27,15 +28,8 @@ class Opening(NamedTuple):
 
 def opening_of(aperture: Aperture) -> Opening:
     """Flatten `aperture`; the cumulated transmissions run from 0 to 1."""
-    weights = aperture.weights
-    row_sums, texel_sums = np.zeros(0), np.zeros((0, 0))
-    if aperture.is_image:
-        row_sums = np.concatenate([[0.0], np.cumsum(weights.sum(axis=1))])
-        row_sums /= row_sums[-1]
-        texel_sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, axis=1)], axis=1)
-        texel_sums /= np.maximum(texel_sums[:, -1:], np.finfo(float).tiny)
     return Opening(
-        np.ascontiguousarray(aperture.boundary), row_sums, texel_sums, np.array(aperture.scale), aperture.deviation
+        np.ascontiguousarray(aperture.boundary), *aperture.cumulated(), np.array(aperture.scale), aperture.deviation
     )
 
 
@@ -55,30 +49,13 @@ def is_plain_disc(opening):
 @inline
 def lens_point(opening, u, v):
     """Lens point (x, y) of the opening, x right, y up, in units of the lens radius."""
-    corners = opening.boundary.shape[0]
-    if corners > 0:
-        sector = u * corners
-        k = min(int(sector), corners - 1)
-        following = k + 1 if k + 1 < corners else 0
-        along, r = sector - k, np.sqrt(v)
-        x = r * ((1.0 - along) * opening.boundary[k, 0] + along * opening.boundary[following, 0])
-        y = r * ((1.0 - along) * opening.boundary[k, 1] + along * opening.boundary[following, 1])
+    if opening.boundary.shape[0] > 0:
+        x, y = fan_point(opening.boundary, u, v)
     elif opening.row_sums.shape[0] > 0:
-        height, width = opening.texel_sums.shape[0], opening.texel_sums.shape[1] - 1
-        row, down = _invert(opening.row_sums, v)
-        column, right = _invert(opening.texel_sums[row], u)
-        x = (column + right) / width * 2.0 - 1.0
-        y = 1.0 - (row + down) / height * 2.0
+        x, y = image_point(opening.row_sums, opening.texel_sums, u, v)
     else:
         x, y = concentric_disc(u, v)
         if opening.deviation < np.inf:
             stretch = gaussian_stretch(x, y, opening.deviation)
             x, y = x * stretch, y * stretch
     return x * opening.scale[0], y * opening.scale[1]
-
-
-@inline
-def _invert(sums, value):
-    """Index and fraction at which the non-decreasing `sums` reach `value` in [0, 1)."""
-    low = min(max(np.searchsorted(sums, value, side="right") - 1, 0), len(sums) - 2)
-    return low, (value - sums[low]) / (sums[low + 1] - sums[low])

@@ -4,45 +4,40 @@
 sobol     first points of a scrambled Sobol' net of the next power of two [1]
 halton    Halton points in bases 2 and 3, digits permuted at random [2]
 vogel     golden-angle spiral, rotated at random [3]
-poisson   darts that keep a distance of 0.7 times the largest possible one [4]
+poisson   darts that keep a distance, with the mean and covariance of the opening, `refdof.poisson_disc`
 jittered  one random point in each of `count` cells of equal area
 random    independent points
 ========  ===========================================================================================
 
-Every pattern is a set of points of the unit square; the aperture maps it to the opening, keeping areas.
+Poisson-disc points are made on the opening itself. Every other pattern is a set of points of the unit square; the
+aperture maps it to the opening, keeping areas in proportion to the light.
 
 References
 ----------
 .. [1] Matoušek (1998), On the L2-Discrepancy for Anchored Boxes (linear scrambling, as SciPy has it).
 .. [2] Owen (2017), A Randomized Halton Algorithm in R.
 .. [3] Vogel (1979), A Better Way to Construct the Sunflower Head, Mathematical Biosciences 44.
-.. [4] Lagae & Dutré (2008), A Comparison of Methods for Generating Poisson Disk Distributions.
 """
 
 import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import cKDTree
 from scipy.stats import qmc
 
-from refdof._check import Float, InputError, as_choice, as_integer
+from refdof._check import Float, as_choice, as_integer
 from refdof.aperture import Aperture
+from refdof.poisson_disc import poisson_disc
 
 __all__ = ["PATTERNS", "lens_samples"]
 
 _MAX_COUNT = 1 << 20
-_RELATIVE_RADIUS = 0.7  # [4]: of the largest distance that `count` points on the disc can keep
-_RIM = 2.0  # distances by which darts may miss the lens
-_LEAST_DARTS = 64  # per volley; otherwise as many as points are wanted
-_IDLE_VOLLEYS = 100  # that may add nothing before the distance shrinks
-_SHRINK = 0.999
 
 
 def lens_samples(
     count: int, pattern: str = "sobol", seed: int = 0, aperture: Aperture | None = None
 ) -> tuple[Float, Float]:
-    """Area-uniform points on the opening of a lens.
+    """Points on the opening of a lens, as dense as its light.
 
     Parameters
     ----------
@@ -58,24 +53,24 @@ def lens_samples(
     Returns
     -------
     points : (count, 2) float64
-        On the unit lens disc, x right, y up.
+        On the unit lens disc, x right, y up; of an image aperture, corners of texels on its rim may lie outside.
     weights : (count,) float64
-        Mean 1; all ones unless the aperture is an image.
+        All ones: points are as dense as the light.
 
     Raises
     ------
     InputError
-        If an argument is out of range, or if no point meets a texel of an image that lets light through.
+        If an argument is out of range.
     """
     count = as_integer("count", count, minimum=1, maximum=_MAX_COUNT)
-    make = _SQUARES[as_choice("pattern", pattern, PATTERNS)]
+    as_choice("pattern", pattern, PATTERNS)
     rng = np.random.default_rng(as_integer("seed", seed, minimum=0))
     aperture = aperture or Aperture.disc()
-    points = aperture.from_square(make(count, rng))
-    weights = aperture.transmission(points)
-    if not weights.sum() > 0.0:
-        raise InputError(f"count: got {count}, and no sample meets the opening; allowed are more samples")
-    return points, weights / weights.mean()
+    if pattern == "poisson":
+        points = poisson_disc(aperture, count, rng)
+    else:
+        points = aperture.from_square(_SQUARES[pattern](count, rng))
+    return points, np.ones(count)
 
 
 def _sobol(count: int, rng: np.random.Generator) -> Float:
@@ -92,37 +87,6 @@ def _vogel(count: int, rng: np.random.Generator) -> Float:
     k = np.arange(count)
     golden = (3.0 - math.sqrt(5.0)) / 2.0  # golden angle [turns]
     return _square_from_polar(np.sqrt((k + 0.5) / count), (k * golden + rng.random()) % 1.0)
-
-
-def _poisson(count: int, rng: np.random.Generator) -> Float:
-    """Dart throwing; where it gets stuck the distance shrinks, so that it always ends.
-
-    Darts fall on a wider disc, and those on the lens are counted: darts on the lens alone would crowd at its rim, where
-    they have fewer neighbours.
-    """
-    disc = Aperture.disc()
-    radius = _RELATIVE_RADIUS * math.sqrt(2.0 * math.pi / (math.sqrt(3.0) * count))  # [4], Eq. (5)
-    wider = 1.0 + _RIM * radius
-    points = np.empty((0, 2))
-    idle = 0
-    while True:
-        inside = points[np.hypot(points[:, 0], points[:, 1]) <= 1.0]
-        if len(inside) >= count:
-            break
-        landed = wider * disc.from_square(rng.random((max(count, _LEAST_DARTS), 2)))
-        if len(points):  # most darts fall too near to a point of an earlier volley
-            landed = landed[cKDTree(points).query(landed)[0] >= radius]
-        kept: list[int] = []
-        for i, point in enumerate(landed):  # of one volley, the earlier dart wins
-            offset = landed[kept] - point
-            if not kept or (offset * offset).sum(axis=1).min() >= radius * radius:
-                kept.append(i)
-        points = np.concatenate([points, landed[kept]])
-        idle = 0 if kept else idle + 1
-        if idle == _IDLE_VOLLEYS:  # full, and too few on the lens: start again
-            points, idle, radius = points[:0], 0, radius * _SHRINK
-    x, y = inside[:count].T
-    return _square_from_polar(np.hypot(x, y), np.arctan2(y, x) / (2.0 * np.pi) % 1.0)
 
 
 def _jittered(count: int, rng: np.random.Generator) -> Float:
@@ -147,11 +111,10 @@ _SQUARES: dict[str, Callable[[int, np.random.Generator], Float]] = {
     "sobol": _sobol,
     "halton": _halton,
     "vogel": _vogel,
-    "poisson": _poisson,
     "jittered": _jittered,
     "random": _random,
 }
-PATTERNS = tuple(_SQUARES)
+PATTERNS = ("sobol", "halton", "vogel", "poisson", "jittered", "random")
 
 
 def _square_from_polar(radius: Float, turn: Float) -> Float:

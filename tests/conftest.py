@@ -38,6 +38,7 @@ FAST = {
     "test_sampling.py",
     "test_scatter.py",
     "test_singlepass.py",
+    "test_stated_numbers.py",
     "test_texture.py",
     "test_umbra.py",
 }

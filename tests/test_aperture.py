@@ -9,8 +9,11 @@ from hypothesis import strategies as st
 from scipy.stats import chisquare
 from shapely import Polygon, affinity, box
 
+from refdof import Camera, ThinLens
 from refdof._check import InputError
-from refdof.aperture import Aperture, concentric_disc
+from refdof.aperture import Aperture
+from refdof.lens_maps import concentric_disc
+from refdof.raster.umbra import umbra_step
 
 
 def midpoints(n):
@@ -129,8 +132,10 @@ def test_straight_blades_have_the_area_of_the_polygon(blades):
 def test_full_curvature_is_the_disc(blades):
     boundary = Aperture.polygon(blades, curvature=1.0).boundary
     np.testing.assert_allclose(np.hypot(*boundary.T), 1.0, atol=1e-12)  # roundings, magnified by the arc's centre
-    # 64 chords per blade of 120 degrees at most: each loses theta^2 / 6 = (2 pi / 192)^2 / 6 < 2e-4.
-    assert math.pi * (1 - 2e-4) < area(boundary) < math.pi
+    # 64 chords per blade: each loses theta^2 / 6 of its sector, 1.8e-4 with three blades; next comes theta^4 / 120.
+    loss = (2 * math.pi / 64 / blades) ** 2 / 6
+    assert 1 - area(boundary) / math.pi == pytest.approx(loss, rel=1e-3)
+    assert round(1e4 * (2 * math.pi / 64 / 3) ** 2 / 6, 1) == 1.8
 
 
 @pytest.mark.parametrize("curvature", [0.1, 0.5, 0.9])
@@ -183,14 +188,37 @@ def test_an_image_has_its_first_row_at_the_top():
     assert Aperture.image(bright).transmission([[0.9, 0.0], [-0.9, 0.0]]).tolist() == [1, 0]
 
 
-def test_mean_brightness_of_an_image():
+def test_an_image_gets_points_in_proportion_to_its_light():
     weights = np.zeros((8, 8))
     weights[3:5, 3:5] = [[1.0, 0.5], [0.25, 0.0]]
     aperture = Aperture.image(weights)
-    mean = aperture.transmission(aperture.from_square(midpoints(256))).mean()
-    # A texel has the area 1/16, the disc pi. A grid point decides for a cell of 1 / 65536 of the disc; texel
-    # borders cross about 600 cells, whose errors of +-1/2 (0.3 rms) add up like random ones; six deviations.
-    assert mean == pytest.approx(1.75 / 16 / math.pi, abs=6 * 0.3 * math.sqrt(600) / 65536)
+    x, y = aperture.from_square(midpoints(64)).T
+    found = np.zeros((8, 8))
+    np.add.at(found, (np.floor((1 - y) * 4).astype(int), np.floor((x + 1) * 4).astype(int)), 1 / 64**2)
+    # Rows get 6/7 and 1/7 of the 64 rows of points, to within one; the first row's texels 2/3 and 1/3 of its points.
+    np.testing.assert_allclose(found, weights / 1.75, atol=1 / 64)
+    assert (aperture.transmission(np.stack([x, y], axis=1)) > 0).all()
+
+
+@pytest.mark.parametrize("corner", [0.0, 1.0])
+def test_no_rounding_takes_a_point_to_an_opaque_texel(corner):
+    weights = np.zeros((7, 7))
+    weights[2, 3], weights[5, 1] = 1.0, 3.0
+    aperture = Aperture.image(weights)
+    ends = np.array([[u, v] for u in (corner, 0.5) for v in (0.0, 0.25, np.nextafter(0.25, 0), 1.0)])
+    assert (aperture.transmission(aperture.from_square(ends)) > 0).all()
+
+
+def test_reach_is_the_farthest_corner_of_a_clear_texel():
+    assert Aperture.disc().reach == Aperture.polygon(3).reach == Aperture.gaussian().reach == 1.0
+    assert Aperture.image(np.ones((1, 1))).reach == pytest.approx(math.sqrt(2), rel=1e-15)
+    assert Aperture.image(np.ones((5, 5))).reach == pytest.approx(math.hypot(1.0, 0.6), rel=1e-15)
+    small = np.zeros((5, 5))
+    small[2, 2] = 1.0
+    assert Aperture.image(small).reach == 1.0
+    shot = Camera.look_at((0, 0, 0), (0, 0, -1), size=(8, 6))
+    wide, disc = (umbra_step(shot, ThinLens(0.5, 2.0, a)) for a in (Aperture.image(np.ones((1, 1))), Aperture.disc()))
+    assert wide == pytest.approx(disc / math.sqrt(2), rel=1e-14)  # a wider opening sees past more
 
 
 def test_an_image_is_opaque_outside_the_disc_and_scaled_to_one():

@@ -294,3 +294,15 @@ def test_ssim_names_the_size_of_its_window():
         metrics.ssim(constant(0.5, (10, 40)), constant(0.5, (10, 40)))
     with pytest.raises(InputError, match="at least one pixel"):
         metrics.psnr(np.zeros((0, 4, 3)), np.zeros((0, 4, 3)))
+
+
+@pytest.mark.parametrize(("value", "bias"), [(0.5, 0.05), (0.5, -0.05), (0.02, 0.3), (0.0, 0.1)])
+def test_the_rest_that_two_references_leave_in_rel_mse(value, bias):
+    step = 1e-4  # two references of value +- step: the mean over all four pairs is the expectation
+    pairs = [(value + a, value + b) for a in (-step, step) for b in (-step, step)]
+    image = np.full((1, 1, 3), value + bias)
+    mean = np.mean([metrics.rel_mse(np.full((1, 1, 3), a), image, np.full((1, 1, 3), b)) for a, b in pairs])
+    base = value**2 + 0.01
+    rest = step**2 * (2 * value * bias / base**2 + bias**2 * (1.5 * value**2 - 0.005) / base**3)
+    # The next terms have step^4 / base^2 of size and a factor of some hundreds; float64 rounds the mean to 1e-15.
+    assert mean - bias**2 / base == pytest.approx(rest, rel=2e-3, abs=1e-14)

@@ -67,6 +67,6 @@ def measured(coc):
 def test_measured_blur(radius):
     ratio = measured(radius) / (2 * radius)
     print(f"circle of {2 * radius:g} px: standard deviation {ratio:.3f} of it")
-    # The text promises 0.5 of the diameter C. Reading a level lower takes it to about 0.31, recorded, not mended; a
-    # disc of diameter C has 0.25.
+    # The text promises 0.5 of the diameter C. Reading a level lower takes it to what stands here, recorded, not mended.
+    # A disc of diameter C has 0.25.
     assert 0.28 < ratio < 0.33

@@ -10,11 +10,13 @@ Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" 
 "color 1", "color 2", ... (h, w, 3).
 
 The lens size E of [1] is a **diameter**, and so is its C; its degree of blur is sigma = C / 2, the radius that refdof
-calls circle of confusion. [1] takes sigma for the standard deviation of a Gaussian; what the steps really give is a
-blur of 0.31 C or less. That is how the method is, and it is left so.
+calls circle of confusion. [1] takes sigma for the standard deviation of a Gaussian; what the steps really give at an
+edge is between 0.28 C and 0.33 C. That is how the method is, and it is left so.
 
 Departures from the paper
 -------------------------
+- Equations (2) to (4), the circle of confusion of an eye in dots of a display, are replaced by the thin lens's in px.
+- Colours are filtered as linear light; [1] does not say what its textures hold.
 - Depth is kept as the signed circle of confusion: it has the order of depth, is 0 in the focal plane and finite for the
   background. Coarser levels thus average inverse depth, as those of a z-buffer do.
 - Equation (8) reads level l - 1, which does not exist for l = 0, and blurs where equation (6) says "no effect". Here

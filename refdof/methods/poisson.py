@@ -8,8 +8,9 @@ Stages: "coc" (H, W) px, "code" (H, W), "small" (h, w, 4): colour and code.
 
 Departures from the paper
 -------------------------
-This is a **reconstruction**: the slides of [1] were not at hand, but its listing, as several engines carry it; taps and
-constants agree among them. [2] uses the twelve taps.
+This is a **reconstruction**: the slides of [1] were not at hand, but its listing, as programs carry it. They do not
+agree on the taps: at least four tables are in use, some of eight taps. The twelve here begin at (-0.326, -0.406); [2]
+uses twelve. Ports with another table blur otherwise.
 
 - Planes of full blur are left to the scene's author: here they are the nearest and the farthest surface in the picture,
   and the background is at full blur. The focal plane is where the line through the pixels of least and greatest circle

@@ -44,9 +44,12 @@ def rel_mse(reference: Any, image: Any, second_reference: Any = None) -> float:
 
     No value is left out: light that leaks into black counts, with the weight 1 / 0.01. With a
     `second_reference`, d^2 is the product of both differences and r the mean of both references. That
-    removes the references' variance s^2 from the numerator, not the denominator's part in it: about 2 r d
-    s^2 / (r^2 + 0.01)^2 is left, which is small where d is small beside r. The result may be negative by
-    chance.
+    removes the references' variance s^2 from the numerator, not the denominator's part in it. What is left per
+    value is, to the order of s^2,
+
+        s^2 (2 r d / (r^2 + 0.01)^2 + d^2 (1.5 r^2 - 0.005) / (r^2 + 0.01)^3).
+
+    The result may be negative by chance.
     """
     first, second = _differences(reference, image, second_reference)
     base = linear("reference", reference)

@@ -38,7 +38,7 @@ def ssim(reference: Any, image: Any) -> float:
             f"reference: got {first.shape[1]} x {first.shape[0]} pixels; "
             f"allowed for SSIM are at least {WINDOW} x {WINDOW}, the size of its window"
         )
-    from skimage.metrics import structural_similarity  # 0.15 s to import
+    from skimage.metrics import structural_similarity  # slow to import
 
     # In float64: E[x^2] - E[x]^2 cancels in flat regions.
     return float(

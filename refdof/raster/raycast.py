@@ -50,7 +50,7 @@ class Row:
 _TRIANGLE, _VERTEX_BUFFER, _INDEX_BUFFER = 0, 1, 0
 _FLOAT3, _UINT3 = 0x9003, 0x5003
 _ROBUST = 4  # scene flag: no ray slips between triangles that share an edge
-_HIGH_QUALITY = 2  # spatial splits: long thin triangles, such as fences, are traced several times faster
+_HIGH_QUALITY = 2  # spatial splits: boxes of long thin triangles, such as fences, overlap less
 _COHERENT, _INVOKE_FILTER = 1 << 16, 1 << 1  # query flags
 _VERSION_PROPERTY, _NATIVE_16_PROPERTY = 0, 34
 _SUPPORTED_MAJOR = 4  # the layout of rays and hits above is that of Embree 4

@@ -45,7 +45,7 @@ def umbra_step(camera: Camera, lens: ThinLens, extent_px: int = 2) -> float:
         raise InputError(f"extent_px: got {extent_px!r}; allowed are 1 (the pixel itself) and 2 (the paper's)")
     if lens.radius == 0.0:
         return math.inf
-    return extent_px / (2.0 * camera.pixels_per_tangent * lens.radius)
+    return extent_px / (2.0 * camera.pixels_per_tangent * lens.radius * lens.aperture.reach)
 
 
 def survivors(depth: Float, camera: Camera, lens: ThinLens, extent_px: int = 2) -> Index:

@@ -43,7 +43,7 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
     InputError
         If the folder cannot be written, or an image is not finite or not of the reference's shape.
     """
-    from refdof.report.overview import write_overview  # matplotlib takes 0.4 s to import
+    from refdof.report.overview import write_overview  # matplotlib is slow to import
 
     target = Path(folder)
     images = _images(comparison)
