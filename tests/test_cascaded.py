@@ -211,9 +211,11 @@ def test_rings_on_a_slanted_plane():
     # With nothing behind, division by alpha takes them away; in front of black, only matting does.
     assert darkest(1, ramp="none") < 1e-12
     assert darkest(2, ramp="none") > 0.15
-    # Ramps leave a dip only where both copies are thin: a hundredth of the ring.
-    assert darkest(2) < 0.003
-    assert darkest(1, normalize=False) < 0.003
+    # Ramps leave a dip only where both copies are thin: a hundredth of the ring. Without ramps into the first and the
+    # last core it is a twentieth, at the edges of those.
+    assert darkest(2, boundary="extrapolate") < 0.003
+    assert darkest(1, boundary="extrapolate", normalize=False) < 0.003
+    assert 0.003 < darkest(2) < 0.02
     assert darkest(1) < 1e-12
 
 
@@ -226,9 +228,10 @@ def test_a_card_that_fills_the_picture_hides_what_is_behind_it(name):
     # The lens sees nothing but the card, at any pixel; 1e-12: sums of taps that add up to 1 but for roundings.
     found = blur_buffers(color, depth, camera, lens, Params(filter=name))
     np.testing.assert_allclose(found, 1.0, rtol=0, atol=1e-12)
-    # Seen past a transparent outside, a corner keeps half of the card's opacity along each axis.
+    # With nothing outside, card and backdrop keep half of their opacity along each axis, and a little more, since the
+    # corner pixel's centre is inside: the card has (1/4) / (1/4 + 3/4 1/4) = 0.57 of a corner.
     leaking = blur_buffers(color, depth, camera, lens, Params(filter=name, border="transparent"))
-    assert leaking[0, 0, 0] < 0.5
+    assert leaking[0, 0, 0] == pytest.approx(0.57, abs=0.06)
 
 
 def test_the_papers_parameters_are_other_ones():
