@@ -15,7 +15,7 @@ are for circles above 2.55 2^(n - 2) px."""
 PROMISES: dict[str, str] = {
     "constant": "where all surfaces and the background have one colour, every pixel has it, whatever their depths",
     "pinhole": "with a lens of radius 0, every pixel has the colour of the surface that the pinhole sees",
-    "focus": "a pixel that sees the focal plane keeps the colour of what is there, unless something out of focus is near",
+    "focus": "a pixel that sees the focal plane keeps its colour, unless something out of focus is near",
     "convexity": "no channel is below its least or above its greatest value among surfaces, lights and background",
     "energy": "a light that nothing hides adds the same total to the picture, wherever the lens is focused",
     "symmetry": "the scene mirrored from left to right gives the picture mirrored from left to right",

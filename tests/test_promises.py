@@ -66,7 +66,7 @@ def test_energy(name):
         assert np.abs((on - off)[..., 1:]).max() == 0.0
 
 
-@pytest.mark.parametrize("size", [(160, 120), (53, 39)])
+@pytest.mark.parametrize("size", [(160, 120), (51, 37)])  # no edge meets a pixel centre
 @pytest.mark.parametrize("name", promising("symmetry"))
 def test_symmetry(name, size):
     camera = full.CAMERA.with_size(size)
@@ -82,7 +82,7 @@ def test_symmetry(name, size):
 
 def seen_past_the_bar(name):
     """The column of the hidden stripe (H, 3), and what it should be."""
-    # Seen from the stripe, half-way before it, the bar hides a band through the middle of the lens, 2 * 0.375 radii wide.
+    # Seen from the stripe, half-way before it, the bar hides a band through the lens, 0.375 radii to each side.
     half = (full.BAR[2] - full.BAR[0]) / 2 * full.NEAR / full.SCALE * 2 / full.RADIUS
     hidden = 2 / math.pi * (half * math.sqrt(1 - half**2) + math.asin(half))
     expected = hidden * np.array(full.BAR_COLOR) + (1 - hidden) * np.array(full.STRIPE_COLOR)
