@@ -3,7 +3,7 @@
 A tiled wall in the focal plane that crosses the upper and the lower border; a card near the lens that crosses the left
 and the upper border; a farther card that crosses the lower border; a lamp brighter than white behind the focal plane; a
 bar near the lens, from border to border, and on the wall behind it a stripe that no pinhole ray meets; a background.
-Edges lie between pixels. Channels are 0.1 to 0.9, except for the lamp's red.
+Edges lie between pixels, and parts of the wall do not overlap. Channels are 0.1 to 0.9, except for the lamp's red.
 """
 
 import math
@@ -25,7 +25,7 @@ LAMP, LAMP_OFF, LAMP_RED = (20, 80, 26, 86), (0.1, 0.5, 0.2), 8.0
 BAR, BAR_COLOR = (127, -OUT, 130, HEIGHT + OUT), (0.8, 0.1, 0.3)
 STRIPE, STRIPE_COLOR = (128, -OUT, 129, HEIGHT + OUT), (0.1, 0.9, 0.2)
 TILE = 7
-TILES = 0.1 + 0.8 * np.random.default_rng(3).random((HEIGHT // TILE + 1, 13, 3))
+TILES = 0.1 + 0.8 * np.random.default_rng(3).random((HEIGHT // TILE + 1, 10, 3))
 
 
 def rectangles(lamp_red=LAMP_RED, bar=True):
