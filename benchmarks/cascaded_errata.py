@@ -47,7 +47,7 @@ def rings(axes):
     color = np.zeros((2, height, width, 3))
     color[0] = 1.0
     for ramp in ("none", "as_printed", "corrected"):
-        image = blur_buffers(color, depth, camera(width, height), LENS, Params(ramp=ramp))
+        image = blur_buffers(color, depth, camera(width, height), LENS, Params(ramp=ramp, boundary="extrapolate"))
         axes.semilogy(coc[40:-40], np.maximum(1.0 - image[height // 2, 40:-40, 0], 1e-6), label=f'ramp="{ramp}"')
     axes.set(title="Eq. (4): rings on a slanted plane", xlabel="circle of confusion [px]", ylabel="1 - brightness")
 

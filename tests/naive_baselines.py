@@ -193,7 +193,8 @@ def pyramidal(color, coc, largest_side=8):
     front, back = needed(-coc.min()), needed(coc.max())
     result = np.zeros((height, width, 4))
     for i in range(back, -front - 1, -1):
-        known = coc >= signed[i - 2] if i > -front else np.ones(coc.shape, dtype=bool)
+        lower, upper = (0.0 if i == 1 else signed[i - 2]), (0.0 if i == -1 else signed[i + 1])
+        known = coc >= lower if i > -front else np.ones(coc.shape, dtype=bool)
         filled = fill(np.concatenate([color, coc[..., None]], axis=-1), known)
         layer = np.zeros((height, width, 4))
         for y, x in np.ndindex(height, width):
@@ -201,9 +202,9 @@ def pyramidal(color, coc, largest_side=8):
             c = filled[y, x, 3]
             opacity = 1.0
             if i > -front and c < signed[i - 1]:
-                opacity = max((c - signed[i - 2]) / (signed[i - 1] - signed[i - 2]), 0.0)
+                opacity = max((c - lower) / (signed[i - 1] - lower), 0.0)
             if i < back and c > signed[i]:
-                opacity = max((signed[i + 1] - c) / (signed[i + 1] - signed[i]), 0.0)
+                opacity = max((upper - c) / (upper - signed[i]), 0.0)
             layer[y, x] = [*(opacity * filled[y, x, :3]), opacity]
         layer = soften(layer, abs(i))
         result = layer + (1 - layer[..., 3:]) * result

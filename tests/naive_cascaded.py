@@ -51,8 +51,12 @@ def layer_count(lens, z_near, z_far):
     return front, front + back + 1
 
 
-def weight(lens, z, k, k_focus, count, first):
-    """Eqs. (3) and (4), the falling ramp put right; layers 0 and K - 1 reach to the eye and to infinity."""
+def weight(lens, z, k, k_focus, count, first, boundary):
+    """Eqs. (3) and (4), the falling ramp put right; layers 0 and K - 1 reach to the eye and to infinity.
+
+    In their cores the ramps of layers 1 and K - 2 end at the anchor that one more layer would have, or ("hard") there
+    are none.
+    """
 
     def anchor(i):
         return lens.anchor(i, k_focus)
@@ -61,6 +65,8 @@ def weight(lens, z, k, k_focus, count, first):
     high = math.inf if k == count - 1 else anchor(k)
     if low <= z <= high:
         return 1.0
+    if boundary == "hard" and ((z < low and k == 1) or (z > high and k == count - 2)):
+        return 0.0
     if z < low:
         return max((z - anchor(k - 2)) / (low - anchor(k - 2)), 0.0)
     if not first:
@@ -74,8 +80,8 @@ def over(a, b):
     return a + (1.0 - a[..., 3:]) * b
 
 
-def blurred(image, sigma):
-    """A Gaussian up to 3 sigma, tap by tap; outside is 0."""
+def blurred(image, sigma, border):
+    """A Gaussian up to 3 sigma, tap by tap; outside is the nearest pixel ("clamp"), or 0."""
     if sigma == 0.0:
         return image
     reach = math.ceil(3.0 * sigma)
@@ -85,13 +91,14 @@ def blurred(image, sigma):
         for dy in range(-reach, reach + 1):
             tap = math.exp(-(dx * dx + dy * dy) / (2.0 * sigma * sigma))
             total += tap
-            for y in range(max(0, dy), min(height, height + dy)):
-                for x in range(max(0, dx), min(width, width + dx)):
-                    out[y, x] += tap * image[y - dy, x - dx]
+            for y, x in np.ndindex(height, width):
+                j, i = min(max(y - dy, 0), height - 1), min(max(x - dx, 0), width - 1)
+                if border == "clamp" or (j, i) == (y - dy, x - dx):
+                    out[y, x] += tap * image[j, i]
     return out / total
 
 
-def layers(color, depth, lens):
+def layers(color, depth, lens, boundary):
     """Eq. (2): (k_focus, the K layers (H, W, 4)) of color (M, H, W, 3) and depth (M, H, W), NaN for no surface."""
     present = depth[~np.isnan(depth)]
     k_focus, count = layer_count(lens, present.min(), present.max())
@@ -101,15 +108,15 @@ def layers(color, depth, lens):
         for y, x in np.ndindex(depth.shape[1:]):
             for m in range(len(depth)):
                 if not np.isnan(depth[m, y, x]):
-                    w = weight(lens, depth[m, y, x], k, k_focus, count, m == 0)
+                    w = weight(lens, depth[m, y, x], k, k_focus, count, m == 0, boundary)
                     layer[y, x] = over(layer[y, x], np.append(w * color[m, y, x], w))
         made.append(layer)
     return k_focus, made
 
 
-def picture(color, depth, lens, cascade=True):
+def picture(color, depth, lens, cascade, border, boundary):
     """The whole method: (H, W, 3)."""
-    k_focus, parts = layers(color, depth, lens)
+    k_focus, parts = layers(color, depth, lens, boundary)
     empty = np.zeros_like(parts[0])
     if cascade:
 
@@ -118,9 +125,9 @@ def picture(color, depth, lens, cascade=True):
                 return parts[k]
             inner = k + 1 if k > k_focus else k - 1
             if not 0 <= inner < len(parts):
-                return blurred(parts[k], abs(k - k_focus))
+                return blurred(parts[k], abs(k - k_focus), border)
             both = over(parts[k], composed(inner)) if k > k_focus else over(composed(inner), parts[k])
-            return blurred(both, abs(k - k_focus))
+            return blurred(both, abs(k - k_focus), border)
 
         front = composed(k_focus - 1) if k_focus > 0 else empty
         back = composed(k_focus + 1) if k_focus + 1 < len(parts) else empty
@@ -129,5 +136,5 @@ def picture(color, depth, lens, cascade=True):
         whole = empty
         for k in range(len(parts)):
             n = abs(k - k_focus)
-            whole = over(whole, blurred(parts[k], math.sqrt(sum(i * i for i in range(n + 1)))))  # Eq. (11)
+            whole = over(whole, blurred(parts[k], math.sqrt(sum(i * i for i in range(n + 1))), border))  # Eq. (11)
     return whole[..., :3] / whole[..., 3:]

@@ -174,10 +174,22 @@ def test_pyramids_end_at_one_texel(size, count):
 def test_pyramidal_mattes_add_up_to_two():
     circles = np.linspace(-8.0, 8.0, 321)[None]
     total = sum(pyramidal._matte(circles, *pyramidal._corners(i, 3, 3)) for i in range(-3, 4))
-    # In the core of one, and on the ramps of its neighbours, which add up to 1; the outermost have one neighbour.
-    inside = np.abs(circles) <= pyramidal._border(1)
-    np.testing.assert_allclose(total[inside], 2.0, rtol=0, atol=1e-12)
+    # In the core of one, and on the ramps of its neighbours, which add up to 1; the outermost have one neighbour, and
+    # so has sub-image 0 on either side: what is in focus (circle 0) is in no other.
+    inside = np.abs(circles) <= 2.55  # half-way between 1.7 and 3.4 px
+    expected = 1.0 + np.minimum(np.abs(circles[inside]) / 0.85, 1.0)  # 0.85: half-way between 0 and 1.7 px
+    np.testing.assert_allclose(total[inside], expected, rtol=0, atol=1e-12)
     assert (total >= 1.0 - 1e-12).all()
+
+
+def test_one_blurred_pixel_leaves_what_is_in_focus_alone():
+    color, depth = np.random.default_rng(12).random((30, 40, 3)), np.full((30, 40), 2.0)
+    coc = np.zeros((30, 40))
+    depth[25, 35], coc[25, 35] = 1.0, -1.2  # one level: texels around, 2 px to each side, and those they blend with
+    image = pyramidal.blur(color, depth, coc)
+    away = np.maximum(*np.abs(np.indices((30, 40)) - np.array([25, 35])[:, None, None])) > 6
+    np.testing.assert_allclose(image[away], color[away], rtol=1e-14)
+    assert np.abs(image - color)[~away].max() > 0.01  # a sixteenth of its colour over its neighbours
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -41,27 +41,31 @@ def flat(value, width=11, height=9):
     return np.full((1, height, width), value)
 
 
+@pytest.mark.parametrize("boundary", ["hard", "extrapolate"])
+@pytest.mark.parametrize("border", ["clamp", "transparent"])
 @pytest.mark.parametrize("cascade", [True, False])
 @pytest.mark.parametrize("focus", [0.3, 0.8, 20.0])
-def test_picture_is_the_naive_twins(focus, cascade):
+def test_picture_is_the_naive_twins(focus, cascade, border, boundary):
     camera, lens, twin = shot(focus)
     color, depth = buffers(1)
-    expected = naive.picture(color, depth, twin, cascade)
-    found = blur_buffers(color, depth, camera, lens, Params(cascade=cascade))
+    expected = naive.picture(color, depth, twin, cascade, border, boundary)
+    params = Params(cascade=cascade, border=border, boundary=boundary)
+    found = blur_buffers(color, depth, camera, lens, params)
     # float64: sums of up to 1000 taps of numbers below 1, divided by alpha above 0.05.
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
-    single = blur_buffers(color.astype(np.float32), depth, camera, lens, Params(cascade=cascade))
+    single = blur_buffers(color.astype(np.float32), depth, camera, lens, params)
     assert single.dtype == np.float32
     # The same in float32, 2^29 times coarser, with fewer roundings that add up like random ones.
     np.testing.assert_allclose(single, expected, rtol=0, atol=2e-5)
 
 
-def test_layers_are_the_naive_twins():
+@pytest.mark.parametrize("boundary", ["hard", "extrapolate"])
+def test_layers_are_the_naive_twins(boundary):
     camera, lens, twin = shot(0.8)
     color, depth = buffers(2)
     trace = Trace(on=True)
-    blur_buffers(color, depth, camera, lens, trace=trace)
-    k_focus, parts = naive.layers(color, depth, twin)
+    blur_buffers(color, depth, camera, lens, Params(boundary=boundary), trace)
+    k_focus, parts = naive.layers(color, depth, twin, boundary)
     assert len(parts) == len(trace.stages["layers"]) >= 5
     np.testing.assert_allclose(trace.stages["layers"], parts, rtol=0, atol=1e-11)
     expected = [twin.layer_coc(abs(k - k_focus)) / 4.0 / twin.pitch for k in range(len(parts))]
@@ -140,7 +144,8 @@ VARIANTS = (
     {"filter": "pyramid"},
     {"ramp": "none"},
     {"ramp": "as_printed"},
-    {"boundary": "hard"},
+    {"boundary": "extrapolate"},
+    {"border": "transparent"},
     {"boundary": "as_printed"},
     {"placement": "kmeans"},
     {"sigma_step": 0.6},
@@ -206,10 +211,33 @@ def test_rings_on_a_slanted_plane():
     # With nothing behind, division by alpha takes them away; in front of black, only matting does.
     assert darkest(1, ramp="none") < 1e-12
     assert darkest(2, ramp="none") > 0.15
-    # Ramps leave a dip only where both copies are thin: a hundredth of the ring.
-    assert darkest(2) < 0.003
-    assert darkest(1, normalize=False) < 0.003
+    # Ramps leave a dip only where both copies are thin: a hundredth of the ring. Without ramps into the first and the
+    # last core it is a twentieth, at the edges of those.
+    assert darkest(2, boundary="extrapolate") < 0.003
+    assert darkest(1, boundary="extrapolate", normalize=False) < 0.003
+    assert 0.003 < darkest(2) < 0.02
     assert darkest(1) < 1e-12
+
+
+@pytest.mark.parametrize("name", ["gaussian", "box", "pyramid"])
+def test_a_card_that_fills_the_picture_hides_what_is_behind_it(name):
+    camera, lens, _ = shot(0.8, 40, 30)
+    depth = np.broadcast_to(np.array([0.25, 2.0])[:, None, None], (2, 30, 40))
+    assert lens.coc_px(0.25, camera) < -5.0
+    color = np.broadcast_to(np.array([1.0, 0.0])[:, None, None, None], (2, 30, 40, 3))
+    # The lens sees nothing but the card, at any pixel; 1e-12: sums of taps that add up to 1 but for roundings.
+    found = blur_buffers(color, depth, camera, lens, Params(filter=name))
+    np.testing.assert_allclose(found, 1.0, rtol=0, atol=1e-12)
+    # With nothing outside, card and backdrop keep half of their opacity along each axis, and a little more, since the
+    # corner pixel's centre is inside: the card has (1/4) / (1/4 + 3/4 1/4) = 0.57 of a corner.
+    leaking = blur_buffers(color, depth, camera, lens, Params(filter=name, border="transparent"))
+    assert leaking[0, 0, 0] == pytest.approx(0.57, abs=0.06)
+
+
+def test_the_papers_parameters_are_other_ones():
+    usual, printed = Params(), Params(**cascaded.PAPER)
+    assert cascaded.PAPER
+    assert all(getattr(usual, name) != getattr(printed, name) for name in cascaded.PAPER)
 
 
 def test_the_printed_ramp_rings():
@@ -306,6 +334,7 @@ def test_a_background_is_there_once_and_only_buffers_that_exist_count():
         ({"placement": "k"}, "placement: got 'k'"),
         ({"ramp": "up"}, "ramp: got 'up'"),
         ({"boundary": "soft"}, "boundary: got 'soft'"),
+        ({"border": "mirror"}, "border: got 'mirror'"),
         ({"cascade": 1}, "cascade: got 1"),
         ({"normalize": "no"}, "normalize: got 'no'"),
         ({"sigma_step": 0.1}, "sigma_step: got 0.1"),

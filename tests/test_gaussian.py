@@ -14,9 +14,9 @@ TYPES = (np.float32, np.float64)
 BLURS = (gaussian_blur, box_blur, pyramid_blur)
 
 
-def blurred(blur, planes, deviation):
+def blurred(blur, planes, deviation, clamp=False):
     out = planes.copy()
-    blur(out, deviation, np.empty_like(out))
+    blur(out, deviation, np.empty_like(out), clamp)
     return out
 
 
@@ -32,13 +32,14 @@ def second_moments(plane, x0, y0):
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("deviation", [0.4, 1.0, 1.7, 2.4, 4.0])
 @pytest.mark.parametrize("shape", [(1, 1, 1), (2, 1, 9), (1, 8, 1), (4, 11, 13)])
-def test_gaussian_is_scipys(shape, deviation, dtype):
+@pytest.mark.parametrize(("clamp", "mode"), [(False, "constant"), (True, "nearest")])
+def test_gaussian_is_scipys(shape, deviation, dtype, clamp, mode):
     planes = random_planes(shape, dtype)
-    reach = math.ceil(3.0 * deviation)
-    expected = [ndimage.gaussian_filter(p.astype(float), deviation, mode="constant", radius=reach) for p in planes]
+    reach = math.ceil(3.0 * deviation)  # up to 12: beyond the whole picture
+    expected = [ndimage.gaussian_filter(p.astype(float), deviation, mode=mode, radius=reach) for p in planes]
     # Sums of positive terms that are below 1 in all: one rounding per tap and axis.
     room = 2 * (2 * reach + 3) * np.finfo(dtype).eps / 2
-    np.testing.assert_allclose(blurred(gaussian_blur, planes, deviation), expected, rtol=0, atol=room)
+    np.testing.assert_allclose(blurred(gaussian_blur, planes, deviation, clamp), expected, rtol=0, atol=room)
 
 
 @pytest.mark.parametrize("deviation", [0.5, 1.0, 2.236, 7.0])
@@ -56,10 +57,11 @@ def test_no_deviation_changes_nothing(blur):
 
 
 @pytest.mark.parametrize("dtype", TYPES)
+@pytest.mark.parametrize("clamp", [False, True])
 @pytest.mark.parametrize("blur", [gaussian_blur, box_blur])
-def test_a_mirrored_image_gives_the_mirrored_blur(blur, dtype):
-    planes = random_planes((4, 10, 15), dtype)
-    out, mirrored = blurred(blur, planes, 2.0), blurred(blur, planes[:, ::-1, ::-1].copy(), 2.0)
+def test_a_mirrored_image_gives_the_mirrored_blur(blur, dtype, clamp):
+    planes = random_planes((4, 4, 15), dtype)
+    out, mirrored = blurred(blur, planes, 2.0, clamp), blurred(blur, planes[:, ::-1, ::-1].copy(), 2.0, clamp)
     if blur is gaussian_blur:
         assert np.array_equal(mirrored, out[:, ::-1, ::-1])
     else:  # running sums start at the other end: up to 30 roundings along a line of 15, then those of the type
@@ -71,10 +73,10 @@ def test_threads_change_no_bit(blur):
     planes, before = random_planes((4, 9, 17), np.float32), thread_count()
     try:
         use_threads(1)
-        alone = blurred(blur, planes, 3.0)
+        alone = [blurred(blur, planes, 3.0, clamp) for clamp in (False, True)]
     finally:
         use_threads(before)
-    assert np.array_equal(blurred(blur, planes, 3.0), alone)
+    assert np.array_equal([blurred(blur, planes, 3.0, clamp) for clamp in (False, True)], alone)
 
 
 @pytest.mark.parametrize("deviation", [0.6, 1.0, 1.4142135623730951, 2.5, 3.0])
@@ -91,13 +93,26 @@ def test_a_box_has_the_variance_asked_for(deviation):
     np.testing.assert_allclose(second_moments(spread, 12, 11), deviation**2, rtol=1e-13)
 
 
-@pytest.mark.parametrize("m", [1, 2, 4])
-def test_a_whole_box_is_scipys_uniform_filter(m):
-    planes = random_planes((2, 12, 14))
+@pytest.mark.parametrize(("clamp", "mode"), [(False, "constant"), (True, "nearest")])
+@pytest.mark.parametrize("m", [1, 2, 4, 9])
+@pytest.mark.parametrize("shape", [(2, 12, 14), (1, 1, 9), (1, 8, 1), (1, 3, 5)])
+def test_a_whole_box_is_scipys_uniform_filter(shape, m, clamp, mode):
+    planes = random_planes(shape)
     deviation = math.sqrt(m * (m + 1) / 3.0)
-    expected = [ndimage.uniform_filter(p, 2 * m + 1, mode="constant") for p in planes]
+    expected = [ndimage.uniform_filter(p, 2 * m + 1, mode=mode) for p in planes]
     # The deviation's rounding leaves the rim at most 1e-14.
-    np.testing.assert_allclose(blurred(box_blur, planes, deviation), expected, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(blurred(box_blur, planes, deviation, clamp), expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("deviation", [1.3, 2.5, 5.0])
+@pytest.mark.parametrize("shape", [(1, 1, 1), (1, 1, 9), (1, 8, 1), (2, 10, 13)])
+@pytest.mark.parametrize("blur", BLURS)
+def test_a_clamped_border_is_a_picture_that_goes_on(blur, shape, deviation):
+    planes, margin = random_planes(shape), 24  # three deviations and a block; whole blocks of 2, 4 and 8
+    larger = blurred(blur, np.pad(planes, ((0, 0), (margin, margin), (margin, margin)), mode="edge"), deviation)
+    inside = larger[:, margin : margin + shape[1], margin : margin + shape[2]]
+    # Numbers up to 1 in sums of up to 60 terms along each axis.
+    np.testing.assert_allclose(blurred(blur, planes, deviation, clamp=True), inside, rtol=0, atol=120 * 2.0**-53)
 
 
 def test_a_pyramid_is_a_gaussian_while_small():
@@ -122,6 +137,7 @@ def test_a_pyramid_has_the_variance_asked_for_on_average(deviation, side):
 
 
 @pytest.mark.parametrize("blur", BLURS)
-def test_an_even_image_stays_even_inside(blur):
+def test_an_even_image_stays_even(blur):
     planes = np.full((1, 41, 43), 0.75)
     assert blurred(blur, planes, 2.5)[0, 20, 21] == pytest.approx(0.75, rel=1e-14)
+    np.testing.assert_allclose(blurred(blur, planes, 2.5, clamp=True), 0.75, rtol=1e-14)

@@ -18,9 +18,11 @@ filling, 4 x 4 for blurring, bilinear on the way back). The rest is chosen:
 - Sub-image i has the nominal radius 1.7 2^(|i| - 1) px, and i = 0 none. Borders lie half-way between. There are as many
   as the picture's circles of confusion need, and at least one; [2] had eight.
 - Ramps are linear in the signed circle of confusion, thus in inverse depth, and not in depth.
+- The ramps of sub-images -1 and 1 end in the focal plane, where the general rule would take them on to the other side:
+  a blurred copy with opacity 1/2 would lie over all that is in focus, wherever anything stands in front of it.
 - Filling goes up to a single texel. Levels start at the top left and round up: the picture of a mirrored scene is the
   mirrored picture only where sides are powers of two.
-- The sum of all mattes at a pixel is 2 where ramps are, as [2] complains of: colours are repeated in two sub-images.
+- The sum of all mattes at a pixel is 2 away from focus, as [2] complains of: colours are repeated in two sub-images.
   "Over" takes the nearer one first; the result is divided by opacity, without which blurred borders would be dark.
 
 References
@@ -169,6 +171,10 @@ def _corners(i: int, front: int, back: int) -> tuple[float, float, float, float]
     """Circles where the matte of sub-image i starts, is full, starts to end, has ended [px]; infinite at the ends."""
     start, full = (_border(i - 2), _border(i - 1)) if i > -front else (-math.inf, -math.inf)
     end, last = (_border(i), _border(i + 1)) if i < back else (math.inf, math.inf)
+    if i == 1:  # what is in focus is in no sub-image but its own
+        start = 0.0
+    if i == -1:
+        last = 0.0
     return start, full, end, last
 
 

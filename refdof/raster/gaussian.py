@@ -1,4 +1,4 @@
-"""Gaussian blur of planar images, separable and in place; what lies outside the image is 0, that is, transparent.
+"""Gaussian blur of planar images, separable and in place; outside the image its border goes on, or all is transparent.
 
 1. sample the Gaussian and scale the taps to a sum of 1    `gaussian_taps`
 2. convolve every row, taps outside, pixels inside         `_convolve_rows`
@@ -27,24 +27,25 @@ def gaussian_taps(deviation: float) -> Float:
     return taps / (taps[0] + 2.0 * taps[1:].sum())
 
 
-def gaussian_blur(planes: Float, deviation: float, scratch: Float) -> None:
+def gaussian_blur(planes: Float, deviation: float, scratch: Float, clamp: bool = False) -> None:
     """Blur planes (C, H, W) in place with a Gaussian of this standard deviation [px]; 0 changes nothing.
 
     `scratch` has the shape and type of `planes`. Colours must be premultiplied by the alpha plane that goes with them.
+    Outside the image is its nearest pixel if `clamp`, else 0.
     """
     if deviation > 0.0:
-        convolve(planes, gaussian_taps(deviation), scratch)
+        convolve(planes, gaussian_taps(deviation), scratch, clamp)
 
 
-def convolve(planes: Float, taps: Float, scratch: Float) -> None:
+def convolve(planes: Float, taps: Float, scratch: Float, clamp: bool = False) -> None:
     """Convolve planes (C, H, W) in place, along x and along y, with a symmetric kernel: middle and one side."""
     taps = taps.astype(planes.dtype)
-    _convolve_rows(planes, taps, scratch)
-    _convolve_columns(scratch, taps, planes)
+    _convolve_rows(planes, taps, clamp, scratch)
+    _convolve_columns(scratch, taps, clamp, planes)
 
 
 @kernel
-def _convolve_rows(planes, taps, out):
+def _convolve_rows(planes, taps, clamp, out):
     """Convolve along x: (C, H, W) -> out (C, H, W)."""
     count, height, width = planes.shape
     reach = len(taps) - 1
@@ -53,6 +54,9 @@ def _convolve_rows(planes, taps, out):
         source, target = borrow(planes)[i // height, i % height], borrow(out)[i // height, i % height]
         row = np.zeros(width + 2 * reach, dtype=planes.dtype)
         row[reach : reach + width] = source
+        if clamp:
+            row[:reach] = source[0]
+            row[reach + width :] = source[width - 1]
         middle = row[reach : reach + width]
         for x in range(width):
             target[x] = weight[0] * middle[x]
@@ -67,7 +71,7 @@ def _convolve_rows(planes, taps, out):
 
 
 @kernel
-def _convolve_columns(planes, taps, out):
+def _convolve_columns(planes, taps, clamp, out):
     """Convolve along y: (C, H, W) -> out (C, H, W)."""
     count, height, width = planes.shape
     reach = len(taps) - 1
@@ -75,28 +79,33 @@ def _convolve_columns(planes, taps, out):
     for i in prange(count * height):
         weight, outside = borrow(taps), borrow(empty)
         source, y = borrow(planes)[i // height], i % height
+        above, below = (source[0], source[height - 1]) if clamp else (outside, outside)
         target = borrow(out)[i // height, y]
         middle = source[y]
         for x in range(width):
             target[x] = weight[0] * middle[x]
-        # Rows past the farther border add nothing.
+        # Past the farther border all rows are alike, on both sides.
         last = min(reach, max(y, height - 1 - y))
         for k in range(1, last - 2, 4):
             _add_four_pairs(
-                _row(source, y - k, outside), _row(source, y + k, outside),
-                _row(source, y - k - 1, outside), _row(source, y + k + 1, outside),
-                _row(source, y - k - 2, outside), _row(source, y + k + 2, outside),
-                _row(source, y - k - 3, outside), _row(source, y + k + 3, outside),
+                _row(source, y - k, above, below), _row(source, y + k, above, below),
+                _row(source, y - k - 1, above, below), _row(source, y + k + 1, above, below),
+                _row(source, y - k - 2, above, below), _row(source, y + k + 2, above, below),
+                _row(source, y - k - 3, above, below), _row(source, y + k + 3, above, below),
                 weight[k], weight[k + 1], weight[k + 2], weight[k + 3], target,
             )  # fmt: skip
         for k in range(1 + last // 4 * 4, last + 1):
-            _add_pair(_row(source, y - k, outside), _row(source, y + k, outside), weight[k], target)
+            _add_pair(_row(source, y - k, above, below), _row(source, y + k, above, below), weight[k], target)
+        if clamp and last < reach:
+            _add_pair(above, below, weight[last + 1 :].sum(), target)
 
 
 @inline
-def _row(plane, y, outside):
-    """Row y of a plane, or `outside`."""
-    return plane[y] if 0 <= y < len(plane) else outside
+def _row(plane, y, above, below):
+    """Row y of a plane, or what lies outside it."""
+    if y < 0:
+        return above
+    return plane[y] if y < len(plane) else below
 
 
 @inline
