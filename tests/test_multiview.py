@@ -137,8 +137,8 @@ def test_colours_are_the_pinholes_where_the_nearest_surface_is_in_its_layer():
 def test_march_hits_what_the_twin_hits(seed, wall, discard):
     coc, near, far = random_fields(seed)
     points = lens(5, seed)
-    search = SEARCH._replace(thickness=wall, march=True, discard=discard)
-    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
+    search = SEARCH._replace(wall=wall, march=True, discard=discard)
+    hits = trace_hits(fields_of(coc, near, far, 1.0, wall=wall), one_set(points), search)
     layer, texel = twin_hits(coc, near, far, points, wall, discard)
     np.testing.assert_array_equal(hits.layer, layer)
     np.testing.assert_array_equal(hits.texel, texel)
@@ -153,8 +153,8 @@ def test_march_hits_what_the_twin_hits(seed, wall, discard):
 def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle, discard):
     coc, near, far = random_fields(seed, smooth=smooth, full=smooth)
     points = lens(5, seed)
-    search = SEARCH._replace(thickness=wall, middle=middle, discard=discard)
-    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
+    search = SEARCH._replace(wall=wall, middle=middle, discard=discard)
+    hits = trace_hits(fields_of(coc, near, far, 1.0, wall=wall), one_set(points), search)
     layer, texel = twin_hits(coc, near, far, points, wall, discard)
     sure = ~hits.ambiguous
     np.testing.assert_array_equal(hits.layer[sure], layer[sure])
@@ -167,8 +167,8 @@ def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth
 @pytest.mark.parametrize("wall", [0.5, np.inf])
 def test_without_bisection_a_crossing_inside_the_layer_is_in_doubt(seed, wall):
     coc, near, far = random_fields(seed, smooth=True, full=True)
-    fields, pattern = fields_of(coc, near, far, 1.0), one_set(lens(5, seed))
-    search = SEARCH._replace(thickness=wall, bisections=0, steps=1, discard=False)
+    fields, pattern = fields_of(coc, near, far, 1.0, wall=wall), one_set(lens(5, seed))
+    search = SEARCH._replace(wall=wall, bisections=0, steps=1, discard=False)
     hits = trace_hits(fields, pattern, search)
     exact = trace_hits(fields, pattern, search._replace(march=True))
     sure = ~hits.ambiguous
@@ -229,7 +229,7 @@ def test_false_position_is_exact_in_one_step_on_a_plane(slope):
     y, x = np.mgrid[:size, :size]
     coc = slope[0] * (x - 8) + slope[1] * (y - 8)
     fields = fields_of(coc[None], np.array([near]), np.array([far]), 1.5)
-    once = SEARCH._replace(steps=1, bisections=0, thickness=0.0)
+    once = SEARCH._replace(steps=1, bisections=0, wall=0.0)
     hits = trace_hits(fields, one_set(np.array([[1.0, 1.0]])), once)
     # On the plane c = slope . (x - c - 8, y + c - 8).
     c = coc / (1.0 + slope[0] - slope[1])
@@ -246,8 +246,8 @@ def test_on_planes_the_first_step_is_within_a_texel(seed):
     coc = np.clip(coc, near[0], far[0])
     points = lens(5, seed)
     fields = fields_of(coc, near, far, 1.0)
-    once = trace_hits(fields, one_set(points), SEARCH._replace(steps=1, bisections=0, thickness=np.inf))
-    exact = trace_hits(fields, one_set(points), SEARCH._replace(march=True, thickness=np.inf))
+    once = trace_hits(fields, one_set(points), SEARCH._replace(steps=1, bisections=0, wall=np.inf))
+    exact = trace_hits(fields, one_set(points), SEARCH._replace(march=True, wall=np.inf))
     both = (once.layer == 0) & (exact.layer == 0)
     assert both.mean() > 0.4
     apart = np.abs(np.array(np.divmod(once.texel, 21)) - np.array(np.divmod(exact.texel, 21)))

@@ -108,11 +108,14 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 through, place = weight, -1  # the part of the cone that goes on
                 while through > 0.0:
-                    place, _, _, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
+                    place, i, j, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
                     if place < 0:
                         break
                     diameter = widening * abs(c)
-                    _read(texels[layers[place]], level, px - c * vx, py + c * vy, diameter, found)
+                    k = layers[place] if layers[place] >= 0 else ~layers[place]
+                    # Behind an edge, read beside it.
+                    u, v = min(max(px - c * vx, i), i + 1), min(max(py + c * vy, j), j + 1)
+                    _read(texels[k], level, u, v, diameter, found)
                     own, free = found[-2], 1.0 - (found[-1] - found[-2])
                     if own <= 0.0:
                         continue

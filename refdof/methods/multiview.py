@@ -137,7 +137,7 @@ class Params:
     start: str = "ends"
     steps: int = 3
     bisections: int = 5
-    wall_px: float = 0.25
+    wall_px: float = 1.0
     culling: bool = True
     offscreen: str = "discard"
     jitter: str = "noise"
@@ -187,7 +187,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
 
     widening = 0.0 if params.cones == "none" else cone_width(view, params)
     largest = float(np.hypot(*pattern.points.T).max())
-    fields = fields_of(layers.coc, layers.near, layers.far, largest, FOOTPRINT * widening)
+    fields = fields_of(layers.coc, layers.near, layers.far, largest, FOOTPRINT * widening, params.wall_px)
     search = Search(
         params.start == "middle",
         params.steps,
