@@ -319,11 +319,13 @@ def test_without_surfaces_there_are_no_layers():
 
 
 def test_memory_per_texel_by_hand():
-    # 20 bytes of heights, triangles and search structures, 4 per channel, and 11 per channel of the mipmaps.
-    assert _texel_bytes(Params()) == 20 + 4 * 3
-    assert _texel_bytes(Params(cones="paper")) == 20 + 4 * 3 + 11 * 5
-    assert _texel_bytes(Params(view_dependent=True)) == 20 + 4 * 13
-    assert _texel_bytes(Params(view_dependent=True, cones="text")) == 20 + 4 * 13 + 11 * 15
+    # 20 bytes of heights, triangles and search structures, 4 per channel, and 11 per channel of the mipmaps: colour and
+    # two coverages, and with finite walls once more colour and one.
+    assert _texel_bytes(Params(cones="none")) == 20 + 4 * 3
+    assert _texel_bytes(Params(cones="paper")) == 20 + 4 * 3 + 11 * (5 + 4)
+    assert _texel_bytes(Params(cones="paper", wall_px=np.inf)) == 20 + 4 * 3 + 11 * 5
+    assert _texel_bytes(Params(view_dependent=True, cones="none")) == 20 + 4 * 13
+    assert _texel_bytes(Params(view_dependent=True, cones="text")) == 20 + 4 * 13 + 11 * (15 + 14)
 
 
 def test_triangle_order_changes_no_bit():

@@ -66,6 +66,7 @@ from refdof.view import View
 __all__ = [
     "CITATION",
     "INPUTS",
+    "PAPER",
     "PROMISES",
     "RECONSTRUCTION",
     "SOURCE",
@@ -83,6 +84,7 @@ PROMISES = ("constant", "pinhole", "convexity", "symmetry", "occlusion")
 
 _FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
 _RANGE_BLOCK_PX = 16
+PAPER: dict[str, object] = {}
 
 
 @dataclass(frozen=True)

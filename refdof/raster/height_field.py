@@ -34,7 +34,18 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.raster.nbuffer import lowest_in, n_buffer
 
-__all__ = ["Fields", "Search", "borrow_fields", "end_of", "fields_of", "first_texel", "goes_on", "next_hit", "step", "visit"]
+__all__ = [
+    "Fields",
+    "Search",
+    "borrow_fields",
+    "end_of",
+    "fields_of",
+    "first_texel",
+    "goes_on",
+    "next_hit",
+    "step",
+    "visit",
+]
 
 _BLOCK = 4  # [px] of the N-buffers: windows grow by up to 3 px, memory shrinks sixteenfold
 
@@ -70,9 +81,7 @@ class Search(NamedTuple):
     holes: bool = False
 
 
-def fields_of(
-    coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0, wall: float = 1.0
-) -> Fields:
+def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0, wall: float = 1.0) -> Fields:
     """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc.
 
     Rays read up to `widening` times the circle of confusion beside them. Walls are at most `wall` high.
