@@ -40,8 +40,9 @@ _ROUNDING = 2.0**-22  # of coverage in float32: less than one hole in 1024 x 102
 
 class MipChain(NamedTuple):
     """Mip levels of K layers in one list: texels (K, T, C + 2) float32, premultiplied, then coverage by fragments that
-    the layer before lacks, and coverage by all; level (M, 3) int64: first texel, width and height; closed (K, T, C + 1):
-    the same levels with fragments of other layers in the layer's holes, premultiplied, and coverage; T = 0: none.
+    the layer before lacks, and coverage by all; level (M, 3) int64: first texel, width and height; closed
+    (K, T, C + 1): the same levels with fragments of other layers in the layer's holes, premultiplied, and coverage;
+    T = 0: none.
     """
 
     texels: Float

@@ -21,7 +21,7 @@ Departures from the paper
 - Decomposition: see `refdof.raster.decomposition`.
 - r = C v of Eq. (3) is on the inverted image of the sensor. On the upright one a ray passes p - c v.
 - Heights are circles of confusion, not depths: a ray is a straight line in them, and false position assumes lines.
-- False position finds no surface that slants out of the layer before the ray's end: opaque planes then leak. Layers are
+- False position misses surfaces that slant out of the layer before the ray's end: an opaque plane may leak. Layers are
   narrow, so that a walk over every texel under the ray looks at about as many of them, and misses none: the default.
 - The text stops after three steps and names no tolerance. Heights are those of the nearest texel, so a hit is exact
   as soon as the ray is inside the texel where it has that height; no tolerance is needed.
@@ -34,7 +34,7 @@ Departures from the paper
 - An empty texel is far while the search steps forward: it does not block. Only at the far end does it count as near.
 - After the steps the far end decides: if its texel blocks the ray, the search halves on, else the layer is missed.
 - What rays see that hit no layer is not said: the scene's background.
-- Rays that leave the image see its border ("clamp"), which is nearer to the truth on all built-in scenes. The text drops
+- Rays that leave the image see its border ("clamp"): nearer to the truth on all built-in scenes. The text drops
   them ("discard"): here at the first layer in which they do, unless the layer has nothing within the pixel's reach;
   others weigh more, and a pixel that loses all shows the pinhole's colour.
 - Cones are the default, and even points of the lens, the same for all pixels: with cones there is no aliasing left that
@@ -116,7 +116,7 @@ PAPER: dict[str, object] = {
 
 @dataclass(frozen=True)
 class Params:
-    """What the paper leaves open, and its numbers. Defaults are what is nearest to the reference on the built-in scenes.
+    """What the paper leaves open, and its numbers. Defaults are what comes nearest to the reference.
 
     Parameters
     ----------

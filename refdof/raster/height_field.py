@@ -107,8 +107,8 @@ def borrow_fields(fields):
 def visit(fields, x, y, search, layers):
     """Write the layers that rays of pixel (x, y) can meet into layers (K,); returns (their count, border).
 
-    `border` tells that rays which leave the image are dropped. A layer that holds nothing within their reach drops none:
-    it is left out, or without culling written as ~k.
+    `border` tells that rays which leave the image are dropped. A layer that holds nothing within their reach drops
+    none: it is left out, or without culling written as ~k.
     """
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     count, border = 0, False
@@ -155,9 +155,9 @@ def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
 
 @inline
 def _walk(fields, k, begin, px, py, vx, vy, search):
-    """Every texel under the ray in layer k from `begin` on, in order: (column, row, c) of the first hit; column -1: none.
+    """Every texel under the ray in layer k from `begin` on, in order: (column, row, c) of the first hit.
 
-    At `begin` the ray is in front of the layer.
+    Column -1: none. At `begin` the ray is in front of the layer.
     """
     coc = fields.coc
     enter, last = np.float64(begin), np.float64(end_of(fields.far[k], search.wall))
