@@ -133,7 +133,9 @@ def test_colours_are_the_pinholes_where_the_nearest_surface_is_in_its_layer():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("wall", "discard"), [(0.5, True), (np.inf, True), (0.0, True), (0.5, False), (0.0, False)])
+@pytest.mark.parametrize(
+    ("wall", "discard"), [(0.5, True), (1.0, True), (np.inf, True), (0.0, True), (1.0, False), (0.0, False)]
+)
 def test_march_hits_what_the_twin_hits(seed, wall, discard):
     coc, near, far = random_fields(seed)
     points = lens(5, seed)
@@ -148,7 +150,7 @@ def test_march_hits_what_the_twin_hits(seed, wall, discard):
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("smooth", [False, True])
 @pytest.mark.parametrize(
-    ("wall", "middle", "discard"), [(0.5, False, True), (0.5, True, True), (np.inf, False, True), (0.5, False, False)]
+    ("wall", "middle", "discard"), [(0.5, False, True), (1.0, True, True), (np.inf, False, True), (1.0, False, False)]
 )
 def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle, discard):
     coc, near, far = random_fields(seed, smooth=smooth, full=smooth)

@@ -1,7 +1,8 @@
 """What the paper says about multiview synthesis, held against exact cards and the reference; refutations included.
 
 The paper's pictures have 800 x 600 pixels and spacings of 3 and 10 px; here they are 0.4 times as large, and so are
-spacings: the same layers. Measured figures stand beside the thresholds, as PSNR [dB] / SSIM.
+spacings: the same layers. The claims are held against the paper's rays, `RAYS`, among walls of 1 px; the last tests
+against what measurement chose instead. Measured figures stand beside the thresholds, as PSNR [dB] / SSIM.
 """
 
 from dataclasses import replace
@@ -21,6 +22,13 @@ from refdof.raster.height_field import Search, fields_of
 from refdof.rendering import render_view
 
 SIZE, SPACING = (320, 240), 1.2
+RAYS = {
+    "search": "false position",
+    "offscreen": "discard",
+    "jitter": "noise",
+    "pattern": "poisson",
+    "cones": "none",
+}
 
 
 @cache
@@ -37,7 +45,7 @@ def truth(name):
 @cache
 def picture(name, method="multiview", **words):
     if method == "multiview":
-        words = {"spacing_px": SPACING, **words}
+        words = {"spacing_px": SPACING, **RAYS, **words}
     return render_view(method, view(name), **words).image
 
 
@@ -168,17 +176,13 @@ def test_lambda_is_the_papers():
     assert text == pytest.approx(2 * widths[0], rel=1e-12)
 
 
-def test_one_layer_degrades_gently_where_depths_are_close():
-    # mirrors: 30.9 / 0.970 to 30.1 / 0.960 with the text's thick objects, which leave no holes.
-    loss = score("mirrors", picture("mirrors")) - score("mirrors", picture("mirrors", layers=1, wall_px=np.inf))
-    assert loss[0] < 1.5
-    assert loss[1] < 0.02
-
-
-def test_refuted_one_layer_does_not_degrade_gently_behind_a_strong_blur():
-    # fence: 36.5 / 0.971 to 25.3 / 0.797, below the single pass.
-    flat = score("fence", picture("fence", layers=1, wall_px=np.inf))
-    assert 24.0 < flat[0] < score("fence", picture("fence", "singlepass"))[0]
+@pytest.mark.parametrize("name", ["mirrors", "fence"])
+def test_one_layer_degrades_gently(name):
+    # Figure 10. In the text's reading, objects as thick as their layer, fence falls below the single pass (27.8).
+    flat = score(name, picture(name, layers=1))
+    assert score(name, picture(name))[0] - flat[0] < 5.0
+    assert flat[0] > score(name, picture(name, "singlepass"))[0]
+    assert flat[0] > score(name, picture(name, layers=1, wall_px=np.inf))[0]
 
 
 @pytest.mark.parametrize("name", ["fence", "branches"])
@@ -205,7 +209,7 @@ def test_layers_of_whole_triangles_are_nearly_as_good_as_exact_ones(name):
 
 def picture_from_exact_layers(name):
     """The default picture, from layers that hold the nearest of all surfaces in their interval."""
-    own, words = view(name), Params(spacing_px=SPACING)
+    own, words = view(name), Params(spacing_px=SPACING, **RAYS)
     bounds = render_view("multiview", own, stages=True, spacing_px=SPACING, samples=1).stages["bounds"]
     low, high = bounds[:-1] - 0.1 * SPACING, bounds[1:] + 0.1 * SPACING
     layers = own.layers()
@@ -228,8 +232,7 @@ def picture_from_exact_layers(name):
 
 @pytest.mark.parametrize("name", ["fence", "branches"])
 def test_objects_as_thick_as_their_layer_are_worse(name):
-    # The text's reading of d < d^ against walls of 0.25 px. fence: 36.4 against 36.5; branches: 38.8 against 39.1. The
-    # noise of 64 points is the same in both: the same rays.
+    # The text's reading of d < d^ against walls of 1 px. The noise of 64 points is the same in both: the same rays.
     assert score(name, picture(name))[0] > score(name, picture(name, wall_px=np.inf))[0] + 0.05
 
 
@@ -241,3 +244,26 @@ def test_rays_that_leave_the_image_matter_at_its_border_only(name):
     np.testing.assert_array_equal(dropped[inner], clamped[inner])
     # Clamped: + 0.8 dB on fence, + 0.5 on branches. "The degradation is hardly noticeable."
     assert 0.0 < score(name, clamped)[0] - score(name, dropped)[0] < 1.5
+
+
+# --- what measurement chose
+
+
+@pytest.mark.parametrize("name", ["fence", "branches"])
+def test_cones_on_even_points_are_better_than_noise(name):
+    # fence: 36.4 to 39.1 dB; branches: 38.9 to 41.3.
+    best = render_view("multiview", view(name)).image
+    assert score(name, best)[0] > score(name, picture(name))[0] + 1.5
+
+
+@pytest.mark.parametrize("name", ["fence", "branches"])
+def test_the_border_beats_dropped_rays(name):
+    best, dropped = (render_view("multiview", view(name), offscreen=o).image for o in ("clamp", "discard"))
+    assert score(name, best)[0] > score(name, dropped)[0]
+
+
+@pytest.mark.parametrize("name", ["fence", "branches", "lights"])
+def test_the_best_preset_is_better_than_the_papers_and_both_than_no_blur(name):
+    best, paper = (render_view("multiview", view(name), preset=p).image for p in ("best", "paper"))
+    assert score(name, best)[0] > score(name, paper)[0]
+    assert score(name, paper)[0] > score(name, view(name).pinhole().color)[0]
