@@ -69,7 +69,7 @@ def test_cards_in_layers_of_their_own_are_exact():
         stage.rectangle(*(np.array(c) * d / p), d, tuple(rgb)) for c, d, rgb in zip(cards, depth, colors, strict=False)
     ]
     scene = stage.scene_of(parts, shot, ThinLens(radius, focus), tuple(colors[4]))
-    words = {"layers": 4, "samples": 64, "jitter": "none", "pattern": "sobol", "seed": 3}
+    words = {"layers": 4, "samples": 64, "cones": "none", "pattern": "sobol", "seed": 3}
     stages = refdof.render("multiview", scene, stages=True, **words).stages
     assert len(stages["layer_number"]) == 4
     image = refdof.render("multiview", scene, **words).image
@@ -89,7 +89,7 @@ def test_cards_in_layers_of_their_own_are_exact():
     np.testing.assert_allclose(exact[inner], colors[seen].mean(axis=2)[inner], rtol=1e-6)
 
     # So what is left is the noise of 64 points: against the exact areas, 64^-0.75 of the contrast at an edge (1 sigma).
-    # By default a wall of 0.25 px counts as surface, too: edges would grow by up to that, were these cards not flat.
+    # By default walls count as surface, too, but these cards are flat and far apart.
     outline = [np.array([(a, c), (b, c), (b, e), (a, e)]) * d / p for (a, b, c, e), d in zip(cards, depth, strict=True)]
     share = lens_shares(outline, depth, stage.tangents(*size, p), radius, focus)
     for shown in (exact, image):

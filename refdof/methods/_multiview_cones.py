@@ -35,6 +35,7 @@ __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
 
 _ROWS_PER_TASK = 8
 FOOTPRINT = 6.0  # How far beside a cone's middle the mip levels that it reads reach, at most [its diameter]
+_CLOSE = 1e-3  # [px]: roundings of float32 positions up to 8192
 _ROUNDING = 2.0**-22  # of coverage in float32: less than one hole in 1024 x 1024 texels
 
 
@@ -137,18 +138,20 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                         break
                     diameter = widening * abs(c)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
-                    # Behind an edge, read beside it.
-                    u, v = min(max(px - c * vx, i), i + 1), min(max(py + c * vy, j), j + 1)
+                    u, v = px - c * vx, py + c * vy
+                    # A surface that goes on behind an edge is as in its last texel; beside that is the edge.
+                    if _beside(u, i, fields.coc.shape[2]) or _beside(v, j, fields.coc.shape[1]):
+                        u, v, diameter = i + 0.5, j + 0.5, 0.0
                     _read(texels[k], level, u, v, diameter, found)
                     own, free = found[-2], 1.0 - (found[-1] - found[-2])
+                    if own <= 0.0:
+                        continue
                     share = own / free if own < free - _ROUNDING else 1.0
                     if share < 1.0 and closed.shape[1] > 0 and fields.coc[k, j, i] < np.inf:
                         _read(closed[k], level, u, v, diameter, whole)
                         own = whole[-1]
                         share = (own + free - 1.0) / free if own < 1.0 - _ROUNDING else 1.0
                         found[: len(whole) - 1] = whole[: len(whole) - 1]
-                    if share <= 0.0:
-                        continue
                     for channel in range(len(found) - 2):
                         found[channel] /= own
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
@@ -168,6 +171,12 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                 red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
+
+
+@inline
+def _beside(u, i, count):
+    """Whether u is not over texel i of `count`; the first and the last are endless."""
+    return (u < i - _CLOSE and i > 0) or (u > i + 1 + _CLOSE and i + 1 < count)
 
 
 @inline
