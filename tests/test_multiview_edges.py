@@ -81,7 +81,7 @@ def test_a_near_speck_drops_no_rays_far_from_it(culling):
     speck = stage.rectangle(*(np.array([16.1, 16.9, 0.1, 0.9]) * near / p), near)
     ramp = stage.strips(np.array([-48.0, 48.0]) * far / p, far, -9.0, 9.0, np.array([0.0, 1.0]))
     scene = stage.scene_of([speck, ramp], stage.camera(*size, p), ThinLens(radius, focus))
-    words = {"offscreen": "discard", "cones": "none", "samples": 16, "culling": culling}
+    words = {"offscreen": "discard", "cones": "none", "jitter": "none", "samples": 16, "culling": culling}
     done = render("multiview", scene, stages=True, **words)
     # A ray sees the backdrop's texel at x - 2 v_x, y + 2 v_y, y down, or is dropped.
     points = done.stages["lens_points"][0]
