@@ -37,8 +37,8 @@ Departures from the paper
 - Rays that leave the image see its border ("clamp"): nearer to the truth on all built-in scenes. The text drops
   them ("discard"): here at the first layer in which they do, unless the layer has nothing within the pixel's reach;
   others weigh more, and a pixel that loses all shows the pinhole's colour.
-- Cones are the default, and even points of the lens, the same for all pixels: with cones there is no aliasing left that
-  jitter would have to turn into noise.
+- Cones are the default, and Vogel's points, the same for all pixels: what aliasing cones leave is nearer to the
+  reference than the noise that jitter turns it into.
 - Culling tests blocks of 4 x 4 px and a window of one more px than the circle of confusion; the printed size of the
   N-buffer's windows lost its exponent.
 - lambda: "mean distance among the lens samples" and "half the distance to its neighbouring rays" would make cones
