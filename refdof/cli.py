@@ -31,6 +31,7 @@ from refdof.methods import METHODS
 from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
+from refdof.report.rows import plain
 from refdof.scene import Scene
 from refdof.scenes import SCENES, shot_of
 from refdof.view import View
@@ -59,6 +60,7 @@ Tolerance = Annotated[float | None, typer.Option("--tolerance", help="Standard e
 Most = Annotated[int, typer.Option("--max-samples", help="Samples at which a pixel stops above --tolerance.")]
 Threads = Annotated[int | None, typer.Option("--threads", help="Threads; the result does not depend on them.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+Preset = Annotated[str, typer.Option("--preset", help="Parameters not set: best, as measured, or paper, as written.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A parameter; repeatable.")]
 
 
@@ -75,7 +77,7 @@ def scenes(as_json: AsJson = False) -> None:
 
 @app.command()
 def methods(as_json: AsJson = False) -> None:
-    """List the methods: source, inputs, texture reads at the default scene's size, parameters."""
+    """List the methods: source, inputs, texture reads at the default scene's size, parameters, and the paper's."""
     rows, texts = [], []
     width, height = shot_of(DEFAULT_SCENE).camera.size
     for name, module in METHODS.items():
@@ -85,9 +87,19 @@ def methods(as_json: AsJson = False) -> None:
             {"method": name, "title": _title(module), "citation": module.CITATION, **asdict(facts), "params": defaults}
         )
         source = facts.source + (" (reconstruction)" if facts.reconstruction else "")
-        texts.append([name, _title(module), source, ", ".join(facts.inputs), facts.fetches, _words(defaults)])
+        texts.append(
+            [
+                name,
+                _title(module),
+                source,
+                ", ".join(facts.inputs),
+                facts.fetches,
+                _words(defaults),
+                _paper(facts.paper),
+            ]
+        )
     if as_json:
-        print(json.dumps(rows, indent=2))
+        print(json.dumps(plain(rows), indent=2))
     else:
         _print_columns(texts)
 
@@ -98,6 +110,7 @@ def render(
     method: Annotated[str, typer.Option("--method", help="A name that `refdof methods` lists.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="out.png (display), out.exr or out.npy (linear).")],
     settings: Settings = None,
+    preset: Preset = "best",
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
@@ -113,9 +126,9 @@ def render(
     check_folder(output.parent, "output")
     params = dict(_setting(text) for text in settings or [])
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
-    make_params(method, params)
+    make_params(method, params, preset)
     loaded, camera, lens = _shot(scene, size, lens_radius, focus)
-    result = render_view(method, View(loaded, camera, lens), **params)
+    result = render_view(method, View(loaded, camera, lens), preset=preset, **params)
     save_image(output, result.image)
     facts = {
         "output": str(output),
@@ -132,6 +145,12 @@ def compare(
         "out"
     ),
     settings: Settings = None,
+    preset: Annotated[
+        str,
+        typer.Option(
+            "--preset", metavar="best|paper|best,paper", help="Parameters not set: as measured, or as written."
+        ),
+    ] = "best",
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
@@ -146,16 +165,14 @@ def compare(
     _use_threads(threads)
     check_folder(out)
     names = methods.split(",") if methods is not None else list(METHODS)
-    params = _settings_by_method(settings or [], names)
+    presets = preset.split(",")
+    params = _settings_by_method(settings or [], names, presets)
     comparisons = []
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             scene, camera, lens = _shot(name, size, lens_radius, focus)
-            comparisons.append(
-                compare_scene(
-                    scene, names, params, camera, lens, samples, tolerance, seed, tell, max_samples, _announce
-                )
-            )
+            shot = camera, lens, samples, tolerance, seed
+            comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)
         write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
     if as_json:
@@ -217,7 +234,7 @@ def _setting(text: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
-    for parse in (int, float, {"true": True, "false": False}.__getitem__):
+    for parse in (int, float, {"true": True, "false": False, "None": None}.__getitem__):
         try:
             return key, parse(value)
         except (ValueError, KeyError):
@@ -225,7 +242,7 @@ def _setting(text: str) -> tuple[str, Any]:
     return key, value
 
 
-def _settings_by_method(texts: list[str], methods: list[str]) -> dict[str, dict[str, Any]]:
+def _settings_by_method(texts: list[str], methods: list[str], presets: list[str]) -> dict[str, dict[str, Any]]:
     """'method.key=value' lines as {method: {key: value}}."""
     params: dict[str, dict[str, Any]] = {name: {} for name in methods}
     for text in texts:
@@ -236,7 +253,8 @@ def _settings_by_method(texts: list[str], methods: list[str]) -> dict[str, dict[
             raise InputError(f"set: got {text!r}; allowed are {allowed}")
         params[method][field] = value
     for method, values in params.items():
-        make_params(method, values)
+        for preset in presets:
+            make_params(method, values, preset)
     return params
 
 
@@ -264,6 +282,10 @@ def _title(module: Any) -> str:
 
 def _words(values: dict[str, Any]) -> str:
     return ", ".join(f"{key}={value}" for key, value in values.items())
+
+
+def _paper(values: dict[str, Any]) -> str:
+    return f"paper: {_words(values)}" if values else ""
 
 
 def _print_columns(rows: list[list[str]]) -> None:

@@ -14,7 +14,7 @@ from refdof.lens import ThinLens
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
 from refdof.reference import MAX_SAMPLES, reference_of_view
-from refdof.rendering import make_params, render_view
+from refdof.rendering import PRESETS, make_params, render_view
 from refdof.scene import Part, Scene
 from refdof.view import View
 
@@ -31,6 +31,7 @@ def compare(
     tolerance: float | None = None,
     seed: int = 0,
     progress: Callable[[str, int, int], None] | None = None,
+    preset: str | Sequence[str] = "best",
     max_samples: int = MAX_SAMPLES,
     announce: Callable[[Forecast], None] | None = None,
 ) -> Comparison:
@@ -42,11 +43,13 @@ def compare(
         Camera and lens default to the scene's suggested shot.
     methods : names in `refdof.METHODS`
     params : {method: {field: value}}
-        Fields of the methods' `Params`; what is left out keeps its default.
+        Fields of the methods' `Params`; what is left out is the preset's.
     samples, tolerance, seed
         Of the reference.
     progress : callable, optional
         Called with (what, done, all).
+    preset : one or more of `refdof.rendering.PRESETS`
+        What parameters have that `params` leaves out. With several, a method is rendered once for each that differs.
     max_samples : int
         Of the reference, where `tolerance` is not met before.
     announce : callable, optional
@@ -55,15 +58,14 @@ def compare(
     Raises
     ------
     InputError
-        If a method or parameter is not allowed, or the picture is too small for SSIM's window.
+        If a method, preset or parameter is not allowed, or the picture is too small for SSIM's window.
     """
     view = View(scene, camera or scene.camera, lens or scene.lens)
     if min(view.camera.size) < WINDOW:
         width, height = view.camera.size
         raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
-    chosen = {name: dict((params or {}).get(name, {})) for name in methods}
-    for name, values in chosen.items():
-        make_params(name, values)
+    values = {name: dict((params or {}).get(name, {})) for name in methods}
+    chosen = _distinct(values, (preset,) if isinstance(preset, str) else preset)
     tell = progress or (lambda _what, _done, _all: None)
 
     def step(done: int, count: int) -> None:
@@ -76,10 +78,10 @@ def compare(
         view, samples=samples, tolerance=tolerance, seed=seed, progress=step, max_samples=max_samples
     )
     rows = []
-    for k, (name, values) in enumerate(chosen.items()):
+    for k, (name, kind) in enumerate(chosen):
         tell(name, k, len(chosen))
-        warm_up(name, values)
-        result = render_view(name, view, **values)
+        warm_up(name, values[name], kind)
+        result = render_view(name, view, preset=kind, **values[name])
         rows.append(
             Row(
                 name,
@@ -88,6 +90,7 @@ def compare(
                 scores(truth.image, result.image),
                 result.seconds["prepare"],
                 result.seconds["blur"],
+                kind,
             )
         )
     tell("scores", len(chosen), len(chosen))
@@ -105,9 +108,26 @@ def compare(
     )
 
 
-def warm_up(method: str, params: Mapping[str, Any]) -> None:
+def _distinct(values: Mapping[str, Mapping[str, Any]], presets: Sequence[str]) -> list[tuple[str, str]]:
+    """Method and preset of each row; presets that give a method the same parameters make one row."""
+    if not presets:
+        raise InputError(f"preset: got none; allowed are {', '.join(PRESETS)}")
+    rows = []
+    for name, given in values.items():
+        seen: list[Any] = []
+        for preset in presets:
+            params = make_params(name, given, preset)
+            if params not in seen:
+                seen.append(params)
+                rows.append((name, preset))
+    return rows
+
+
+def warm_up(method: str, params: Mapping[str, Any], preset: str = "best") -> None:
     """Compile what `method` needs on a picture of 8 x 8 pixels, so that times speak of the algorithm alone."""
     camera = Camera(eye=(0.0, 0.0, 2.0), target=(0.0, 0.0, 0.0), size=(8, 8))
     lens = ThinLens(radius=0.1, focus_distance=1.0)
     triangle = Part(np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]]))
-    render_view(method, View(Scene.from_parts("warm-up", [triangle], camera, lens), camera, lens), **params)
+    render_view(
+        method, View(Scene.from_parts("warm-up", [triangle], camera, lens), camera, lens), preset=preset, **params
+    )

@@ -19,6 +19,7 @@ class Row:
     image : (H, W, 3) float32, linear RGB
     scores : "psnr", "psnr_8bit", "ssim", "flip" (display image), "rmse", "rel_mse", "max_abs" (linear)
     prepare_s, blur_s : seconds spent on raster products and on the method itself
+    preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     """
 
     method: str
@@ -27,6 +28,12 @@ class Row:
     scores: dict[str, float]
     prepare_s: float
     blur_s: float
+    preset: str = "best"
+
+    @property
+    def name(self) -> str:
+        """The method, and its preset unless that is the best one."""
+        return self.method if self.preset == "best" else f"{self.method} ({self.preset})"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,14 @@
 """Facts of a method: where it comes from, what it needs, what it costs, read from its module.
 
 A module has `SOURCE` (authors and year), `INPUTS` (raster products in words) and `RECONSTRUCTION` (True where its
-source was not at hand and the steps are pieced together). `fetch_units(params, width, height)` counts texture reads,
+source was not at hand and the steps are pieced together), and `PAPER` (parameters in which its source differs from the
+defaults). `fetch_units(params, width, height)` counts texture reads,
 see `refdof.fetches`; a method whose work depends on the scene has none.
 """
 
 from dataclasses import dataclass
 from types import ModuleType
+from typing import Any
 
 __all__ = ["MethodFacts", "facts_of"]
 
@@ -19,12 +21,15 @@ class MethodFacts:
     ----------
     fetch_units : float or None
         Texture reads per pixel with the default parameters; None: depends on the scene.
+    paper : {parameter: value}
+        What the preset "paper" sets.
     """
 
     source: str
     reconstruction: bool
     inputs: tuple[str, ...]
     fetch_units: float | None
+    paper: dict[str, Any]
 
     @property
     def fetches(self) -> str:
@@ -42,4 +47,5 @@ def facts_of(module: ModuleType, width: int, height: int) -> MethodFacts:
         bool(getattr(module, "RECONSTRUCTION", False)),
         tuple(getattr(module, "INPUTS", ())),
         None if count is None else float(count(module.Params(), width, height)),
+        dict(module.PAPER),
     )

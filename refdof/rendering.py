@@ -1,6 +1,11 @@
-"""Render a view with any method, by name, and book its time."""
+"""Render a view with any method, by name, and book its time.
+
+A method's parameters start from a preset: "best", the defaults of its `Params`, which measurement chose; or "paper",
+where the fields in its module's `PAPER` follow the paper's text to the letter.
+"""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -14,7 +19,9 @@ from refdof.scene import Scene
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["Result", "make_params", "render", "render_view"]
+__all__ = ["PRESETS", "Result", "make_params", "render", "render_view"]
+
+PRESETS = ("best", "paper")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +49,7 @@ def render(
     camera: Camera | None = None,
     lens: ThinLens | None = None,
     stages: bool = False,
+    preset: str = "best",
     **params: Any,
 ) -> Result:
     """Render a scene with a method.
@@ -54,20 +62,22 @@ def render(
         Camera and lens default to the scene's suggested shot.
     stages : bool
         Record the method's stages.
+    preset : one of `PRESETS`
+        What fields have that are not given: "best", what measurement chose, or "paper", what the paper's text says.
     **params
         Fields of the method's `Params`.
 
     Raises
     ------
     InputError
-        If the method, a parameter's name or its value is not allowed.
+        If the method, the preset, a parameter's name or its value is not allowed.
     """
-    return render_view(method, View(scene, camera or scene.camera, lens or scene.lens), stages, **params)
+    return render_view(method, View(scene, camera or scene.camera, lens or scene.lens), stages, preset, **params)
 
 
-def render_view(method: str, view: View, stages: bool = False, **params: Any) -> Result:
+def render_view(method: str, view: View, stages: bool = False, preset: str = "best", **params: Any) -> Result:
     """`render` of a view whose products are shared."""
-    chosen = make_params(method, params)
+    chosen = make_params(method, params, preset)
     trace = Trace(stages)
     with view.booking() as book:
         start = time.perf_counter()
@@ -76,16 +86,17 @@ def render_view(method: str, view: View, stages: bool = False, **params: Any) ->
     return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, trace.stages, chosen)
 
 
-def make_params(method: str, values: dict[str, Any]) -> Any:
-    """The method's `Params` with these values.
+def make_params(method: str, values: Mapping[str, Any], preset: str = "best") -> Any:
+    """The method's `Params` with these values over those of a preset.
 
     Raises
     ------
     InputError
-        If the method or a parameter does not exist (with the nearest name), or a value is not allowed.
+        If the method, the preset or a parameter does not exist (with the nearest name), or a value is not allowed.
     """
     as_choice("method", method, METHODS)
+    as_choice("preset", preset, PRESETS)
     kind = METHODS[method].Params
     for name in values:
         as_choice(f"parameter of {method}", name, [field.name for field in fields(kind)])
-    return kind(**values)
+    return kind(**{**(METHODS[method].PAPER if preset == "paper" else {}), **values})

@@ -29,6 +29,7 @@ FAST = {
     "test_matting.py",
     "test_mipmap.py",
     "test_multiview.py",
+    "test_multiview_edges.py",
     "test_lensblur.py",
     "test_mipmap_interpolation.py",
     "test_nbuffer.py",

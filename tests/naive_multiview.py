@@ -1,5 +1,6 @@
 """Naive twins of multiview synthesis: layers fragment by fragment, and rays against every texel of every layer."""
 
+import itertools
 import math
 
 import numpy as np
@@ -48,41 +49,54 @@ def layers_of(depth, farthest, coc_of, bounds, overlap):
 
 
 def ray_hit(coc, near, far, px, py, vx, vy, wall, discard):
-    """(layer, row, column, c) of the first texel that a ray meets, out of all texels of all layers, front to back.
+    """(layer, row, column, c) of what a ray meets first, layer by layer, over all texels that it crosses.
 
-    Layer -1: none; -2: the ray leaves the image first. Without `discard` texels at the border are endless.
+    Layer -1: nothing; -2: the ray leaves the image first. Texels at the border are endless.
     """
-    height, width = coc.shape[1:]
-    row, column = np.mgrid[:height, :width].astype(np.float64)
     for k in range(len(coc)):
         a, b = float(near[k]), float(far[k])
-        ends = [(px - c * vx, py + c * vy) for c in (a, b)]
-        if discard and any(not (0 <= x < width and 0 <= y < height) for x, y in ends):
+        end = b + wall if math.isfinite(wall) else b
+        leaves = any(not _in_picture(coc, px - c * vx, py + c * vy) for c in (a, b))
+        if discard and leaves and _holds_something(coc[k], int(px), int(py), max(abs(a), abs(end))):
             return -2, -1, -1, math.inf
-        # The part of the ray inside each column of texels and each row of texels.
-        enter_x, leave_x = _inside(column, width, px, -vx, not discard)
-        enter_y, leave_y = _inside(row, height, py, vy, not discard)
-        enter, leave = np.maximum(np.maximum(enter_x, enter_y), a), np.minimum(np.minimum(leave_x, leave_y), b)
-        top = coc[k].astype(np.float64)
-        met = (enter <= leave) & (top <= leave) & (top >= enter - wall)
-        if met.any():
-            at = np.where(met, np.maximum(top, enter), np.inf)
-            # Of columns that meet in one edge of the ray's path, the one that is entered first.
-            order = np.lexsort([enter.ravel(), at.ravel()])
-            y, x = divmod(int(order[0]), width)
-            return k, y, x, at[y, x]
+        seen = before = None
+        for y, x, enter, leave in _crossed(coc, a, end, px, py, vx, vy):
+            top = float(coc[k, y, x])
+            if top >= enter:  # the ray is in front of the texel when it comes in
+                if top <= leave:
+                    return k, y, x, top
+                seen = (y, x, top)
+            else:
+                surfaces = coc[k:, before[0], before[1]].astype(np.float64)
+                if ((enter <= surfaces) & (surfaces <= top + wall)).any():
+                    return k, y, x, enter
+                if seen[2] <= leave:  # behind an edge, the surface seen last goes on
+                    return k, *seen
+            before = (y, x)
     return -1, -1, -1, math.inf
 
 
-def _inside(index, count, start, slope, endless):
-    """Range of c in which start + slope c lies in index .. index + 1; the first and last index may be endless."""
-    low = np.where(endless & (index == 0), -np.inf, index)
-    high = np.where(endless & (index == count - 1), np.inf, index + 1)
-    if slope == 0:
-        inside = (low <= start) & (start < high)
-        return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
-    a, b = (low - start) / slope, (high - start) / slope
-    return np.minimum(a, b), np.maximum(a, b)
+def _in_picture(coc, x, y):
+    return 0 <= x < coc.shape[2] and 0 <= y < coc.shape[1]
+
+
+def _holds_something(layer, x, y, widest):
+    """Whether blocks of 4 x 4 px that a ray of pixel (x, y) may come near hold anything."""
+    reach = min(math.ceil(widest), max(layer.shape)) + 1
+    low_x, low_y = max(x - reach, 0) // 4 * 4, max(y - reach, 0) // 4 * 4
+    high_x, high_y = (x + reach) // 4 * 4 + 4, (y + reach) // 4 * 4 + 4
+    return np.isfinite(layer[low_y:high_y, low_x:high_x]).any()
+
+
+def _crossed(coc, a, end, px, py, vx, vy):
+    """(row, column, enter, leave) of the texels under a ray, cut where it crosses a line between texels."""
+    height, width = coc.shape[1:]
+    cuts = [(px - x) / vx for x in range(1, width) if vx] + [(y - py) / vy for y in range(1, height) if vy]
+    cuts = [a, *sorted(c for c in cuts if a < c < end), end]
+    for enter, leave in itertools.pairwise(cuts):
+        middle = (enter + leave) / 2
+        x, y = math.floor(px - middle * vx), math.floor(py + middle * vy)
+        yield min(max(y, 0), height - 1), min(max(x, 0), width - 1), enter, leave
 
 
 def mean_over_lens(coc, near, far, color, background, points, wall, discard):

@@ -39,6 +39,21 @@ def test_compare_writes_everything(tmp_path):
     assert {row["method"]: row["params"] for row in table["rows"]}["accumulation"]["samples"] == 16
 
 
+def test_both_presets_at_once(tmp_path):
+    words = ("--methods", "mipmap,singlepass", "--preset", "best,paper")
+    done = refdof("compare", "branches", *words, *SMALL, "--out", "here", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads((tmp_path / "here" / "table.json").read_text())["rows"]
+    told = [(row["method"], row["preset"], row["params"].get("blend")) for row in rows]
+    assert told == [("mipmap", "best", "linear"), ("mipmap", "paper", "geometric"), ("singlepass", "best", None)]
+    assert (tmp_path / "here" / "mipmap-paper.png").exists()
+    assert "| mipmap (paper) |" in done.stdout
+    listed = {row["method"]: row["paper"] for row in json.loads(refdof("methods", "--json").stdout)}
+    assert listed["mipmap"] == {"blend": "geometric", "depth_format": "f16"}
+    assert listed["multiview"]["wall_px"] == "inf"  # JSON has no infinite numbers
+    assert listed["scatter"] == {}
+
+
 def test_compare_takes_files_and_several_scenes(tmp_path):
     (tmp_path / "card.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0.5\nf 1 2 3 4\n")
     done = refdof("compare", "card.obj", "branches", "--methods", "singlepass", *SMALL, cwd=tmp_path)
@@ -117,6 +132,12 @@ def test_bad_input_from_a_shell():
         (["render", "fence", "--method", "singlepass", "--size", "20x15", "-o", "/proc/no/a.png"], "out"),
         (["render", "fence", "--method", "singlepass"], "Missing option"),
         (["render", "fence", "--method", "singlepass", "--samples", "4", "-o", "a.png"], "singlepass: got 'samples'"),
+        (["compare", "fence", "--preset", "papre"], "preset: got 'papre'; did you mean 'paper'"),
+        (["compare", "fence", "--preset", "best,"], "preset: got ''"),
+        (
+            ["render", "fence", "--method", "singlepass", "--preset", "Best", "-o", "a.png"],
+            "preset: got 'Best'; did you mean 'best'",
+        ),
         (["rendr"], "No such command 'rendr'"),
         (["compare", "fence", "--frobnicate"], "No such option"),
     ],

@@ -133,12 +133,14 @@ def test_colours_are_the_pinholes_where_the_nearest_surface_is_in_its_layer():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("wall", "discard"), [(0.5, True), (np.inf, True), (0.0, True), (0.5, False), (0.0, False)])
+@pytest.mark.parametrize(
+    ("wall", "discard"), [(0.5, True), (1.0, True), (np.inf, True), (0.0, True), (1.0, False), (0.0, False)]
+)
 def test_march_hits_what_the_twin_hits(seed, wall, discard):
     coc, near, far = random_fields(seed)
     points = lens(5, seed)
-    search = SEARCH._replace(thickness=wall, march=True, discard=discard)
-    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
+    search = SEARCH._replace(wall=wall, march=True, discard=discard)
+    hits = trace_hits(fields_of(coc, near, far, 1.0, wall=wall), one_set(points), search)
     layer, texel = twin_hits(coc, near, far, points, wall, discard)
     np.testing.assert_array_equal(hits.layer, layer)
     np.testing.assert_array_equal(hits.texel, texel)
@@ -148,13 +150,13 @@ def test_march_hits_what_the_twin_hits(seed, wall, discard):
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("smooth", [False, True])
 @pytest.mark.parametrize(
-    ("wall", "middle", "discard"), [(0.5, False, True), (0.5, True, True), (np.inf, False, True), (0.5, False, False)]
+    ("wall", "middle", "discard"), [(0.5, False, True), (1.0, True, True), (np.inf, False, True), (1.0, False, False)]
 )
 def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth, wall, middle, discard):
     coc, near, far = random_fields(seed, smooth=smooth, full=smooth)
     points = lens(5, seed)
-    search = SEARCH._replace(thickness=wall, middle=middle, discard=discard)
-    hits = trace_hits(fields_of(coc, near, far, 1.0), one_set(points), search)
+    search = SEARCH._replace(wall=wall, middle=middle, discard=discard)
+    hits = trace_hits(fields_of(coc, near, far, 1.0, wall=wall), one_set(points), search)
     layer, texel = twin_hits(coc, near, far, points, wall, discard)
     sure = ~hits.ambiguous
     np.testing.assert_array_equal(hits.layer[sure], layer[sure])
@@ -167,8 +169,8 @@ def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth
 @pytest.mark.parametrize("wall", [0.5, np.inf])
 def test_without_bisection_a_crossing_inside_the_layer_is_in_doubt(seed, wall):
     coc, near, far = random_fields(seed, smooth=True, full=True)
-    fields, pattern = fields_of(coc, near, far, 1.0), one_set(lens(5, seed))
-    search = SEARCH._replace(thickness=wall, bisections=0, steps=1, discard=False)
+    fields, pattern = fields_of(coc, near, far, 1.0, wall=wall), one_set(lens(5, seed))
+    search = SEARCH._replace(wall=wall, bisections=0, steps=1, discard=False)
     hits = trace_hits(fields, pattern, search)
     exact = trace_hits(fields, pattern, search._replace(march=True))
     sure = ~hits.ambiguous
@@ -229,7 +231,7 @@ def test_false_position_is_exact_in_one_step_on_a_plane(slope):
     y, x = np.mgrid[:size, :size]
     coc = slope[0] * (x - 8) + slope[1] * (y - 8)
     fields = fields_of(coc[None], np.array([near]), np.array([far]), 1.5)
-    once = SEARCH._replace(steps=1, bisections=0, thickness=0.0)
+    once = SEARCH._replace(steps=1, bisections=0, wall=0.0)
     hits = trace_hits(fields, one_set(np.array([[1.0, 1.0]])), once)
     # On the plane c = slope . (x - c - 8, y + c - 8).
     c = coc / (1.0 + slope[0] - slope[1])
@@ -246,8 +248,8 @@ def test_on_planes_the_first_step_is_within_a_texel(seed):
     coc = np.clip(coc, near[0], far[0])
     points = lens(5, seed)
     fields = fields_of(coc, near, far, 1.0)
-    once = trace_hits(fields, one_set(points), SEARCH._replace(steps=1, bisections=0, thickness=np.inf))
-    exact = trace_hits(fields, one_set(points), SEARCH._replace(march=True, thickness=np.inf))
+    once = trace_hits(fields, one_set(points), SEARCH._replace(steps=1, bisections=0, wall=np.inf))
+    exact = trace_hits(fields, one_set(points), SEARCH._replace(march=True, wall=np.inf))
     both = (once.layer == 0) & (exact.layer == 0)
     assert both.mean() > 0.4
     apart = np.abs(np.array(np.divmod(once.texel, 21)) - np.array(np.divmod(exact.texel, 21)))
@@ -319,11 +321,13 @@ def test_without_surfaces_there_are_no_layers():
 
 
 def test_memory_per_texel_by_hand():
-    # 20 bytes of heights, triangles and search structures, 4 per channel, and 11 per channel of the mipmaps.
-    assert _texel_bytes(Params()) == 20 + 4 * 3
-    assert _texel_bytes(Params(cones="paper")) == 20 + 4 * 3 + 11 * 5
-    assert _texel_bytes(Params(view_dependent=True)) == 20 + 4 * 13
-    assert _texel_bytes(Params(view_dependent=True, cones="text")) == 20 + 4 * 13 + 11 * 15
+    # 20 bytes of heights, triangles and search structures, 4 per channel, and 11 per channel of the mipmaps: colour and
+    # two coverages, and with finite walls once more colour and one.
+    assert _texel_bytes(Params(cones="none")) == 20 + 4 * 3
+    assert _texel_bytes(Params(cones="paper")) == 20 + 4 * 3 + 11 * (5 + 4)
+    assert _texel_bytes(Params(cones="paper", wall_px=np.inf)) == 20 + 4 * 3 + 11 * 5
+    assert _texel_bytes(Params(view_dependent=True, cones="none")) == 20 + 4 * 13
+    assert _texel_bytes(Params(view_dependent=True, cones="text")) == 20 + 4 * 13 + 11 * (15 + 14)
 
 
 def test_triangle_order_changes_no_bit():
@@ -447,6 +451,8 @@ def test_attributes_shade_as_colours_do_when_nothing_depends_on_the_view():
     view, corners = random_scene(12)
     parts = [Part(c, [[0, 1, 2]], Material("lambert", (0.4, 0.6, 0.8))) for c in corners]
     scene = stage.scene_of(parts, view.camera, view.lens)
-    plain = render("multiview", scene, samples=8).image
+    plain = render("multiview", scene, samples=8, cones="none").image
     # Attributes are rounded to float32, and a few operations follow.
-    np.testing.assert_allclose(render("multiview", scene, samples=8, view_dependent=True).image, plain, rtol=2e-6)
+    np.testing.assert_allclose(
+        render("multiview", scene, samples=8, cones="none", view_dependent=True).image, plain, rtol=2e-6
+    )

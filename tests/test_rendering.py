@@ -5,7 +5,8 @@ import pytest
 from test_contract import quad, stage
 
 from refdof import METHODS, InputError, View, render
-from refdof.rendering import render_view
+from refdof.compare import compare
+from refdof.rendering import make_params, render_view
 
 
 def view():
@@ -62,3 +63,49 @@ def test_unknown_method_names_the_nearest():
 def test_wrong_objects():
     with pytest.raises(InputError, match="scene: got str"):
         View("fence", view().camera, view().lens)  # type: ignore[arg-type]
+
+
+# --- presets
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_the_papers_preset_names_fields_that_differ_and_values_that_are_allowed(name):
+    best, paper = make_params(name, {}), make_params(name, {}, "paper")
+    assert best == METHODS[name].Params()
+    for field, value in METHODS[name].PAPER.items():
+        assert getattr(paper, field) == value
+        assert getattr(best, field) != value
+
+
+def test_presets_by_hand():
+    # Lee et al. 2009: Eq. (8) blends mip levels geometrically; objects are as thick as their layer.
+    assert make_params("mipmap", {}, "paper").blend == "geometric"
+    assert make_params("multiview", {}, "paper").wall_px == np.inf
+    # Lee et al. 2010 read the colour of the sample that is hit. What is given wins.
+    assert render("lensblur", view().scene, preset="paper", samples=1).params.filter == "nearest"
+    given = render("lensblur", view().scene, preset="paper", samples=1, filter="linear").params
+    assert given == make_params("lensblur", {"samples": 1})
+
+
+def test_both_presets_are_compared_where_they_differ():
+    done = compare(view().scene, ["singlepass", "mipmap"], samples=4, preset=("best", "paper"))
+    assert [(row.method, row.preset) for row in done.rows] == [
+        ("singlepass", "best"),
+        ("mipmap", "best"),
+        ("mipmap", "paper"),
+    ]
+    assert [row.name for row in done.rows] == ["singlepass", "mipmap", "mipmap (paper)"]
+    assert [row.params["blend"] for row in done.rows[1:]] == ["linear", "geometric"]
+    same = {"mipmap": {"blend": "linear", "depth_format": "f32"}}
+    assert len(compare(view().scene, ["mipmap"], same, samples=4, preset=("best", "paper")).rows) == 1
+    (alone,) = compare(view().scene, ["singlepass"], samples=4, preset="paper").rows
+    assert alone.preset == "paper"
+
+
+def test_unknown_presets_name_the_nearest():
+    with pytest.raises(InputError, match="preset: got 'papr'; did you mean 'paper'"):
+        render("singlepass", view().scene, preset="papr")
+    with pytest.raises(InputError, match="preset: got 'bets'; did you mean 'best'"):
+        compare(view().scene, ["singlepass"], preset=["paper", "bets"])
+    with pytest.raises(InputError, match="preset: got none; allowed are best, paper"):
+        compare(view().scene, ["singlepass"], preset=())

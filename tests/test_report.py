@@ -7,6 +7,7 @@ import json
 import math
 import re
 import zlib
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -60,6 +61,7 @@ def test_json_has_the_promised_structure():
     assert found["reference"] == {"samples": 1024.0, "seconds": 12.5, "noise_floor_psnr": 55.5}
     assert found["rows"][1] == {
         "method": "mipmap",
+        "preset": "best",
         "params": {"samples": 65, "pattern": "halton"},
         **SCORES,
         "prepare_s": 0.5,
@@ -68,6 +70,23 @@ def test_json_has_the_promised_structure():
     }
     for word in ("compare fence", "--size 40x30", "--methods multiview,mipmap", "--set mipmap.samples=65"):
         assert word in found["command"]
+
+
+def test_both_presets_of_a_method_are_told_apart(tmp_path):
+    given = comparison()
+    first, other = given.rows
+    paper = replace(other, method="multiview", preset="paper", params={**first.params, "samples": 32})
+    given = replace(given, rows=(first, paper))
+    write_comparison(given, tmp_path)
+    found = strict_json((tmp_path / "table.json").read_text())
+    assert [(row["method"], row["preset"]) for row in found["rows"]] == [("multiview", "best"), ("multiview", "paper")]
+    assert {"multiview.png", "multiview-paper.png"} <= {file.name for file in tmp_path.iterdir()}
+    assert "| multiview (paper) |" in (tmp_path / "table.md").read_text()
+    assert "multiview (paper)" in Page((tmp_path / "report.html").read_text()).cells
+    # What the presets decide is not set; what they share is.
+    assert "--preset best,paper" in found["command"]
+    assert "--set multiview.pattern=halton" in found["command"]
+    assert "multiview.samples" not in found["command"]
 
 
 def test_json_of_infinite_and_missing_numbers_is_strict(tmp_path):

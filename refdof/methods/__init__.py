@@ -5,6 +5,7 @@ A method module has
 - a docstring: title sentence, numbered steps, *Departures from the paper*, *References*;
 - `CITATION`, a key of papers.bib, and `SOURCE`, its authors and year;
 - `INPUTS`, what it needs, and `RECONSTRUCTION`, True where the source was not at hand and steps are pieced together;
+- `PAPER`, the fields of `Params` in which the source's text differs from the defaults: the preset "paper";
 - `Params`, a frozen dataclass that validates itself and holds what the paper leaves open;
 - `PROMISES`, the properties that hold for it, out of `refdof.promises.PROMISES`;
 - `render(view, params, trace) -> (H, W, 3) float32`, which asks the view for what it needs and nothing else;

@@ -6,6 +6,9 @@
 A layer blends what covers the cone where its search ended, be the texel there filled or empty: if cones whose middle
 ray meets a hole passed whole, thin objects would be dimmed twice.
 
+A surface that slants goes on in the next layer. Where a cone's middle meets it, what other layers hold near its height
+covers the cone as well: a cone that is cut where layers meet would see through an opaque plane.
+
 Layers overlap. A layer does not count fragments that the layer before holds, too, or half-transparent squares would be
 blended twice; its own ones cover their share of the part of the cone that is free of those copies.
 
@@ -32,35 +35,56 @@ __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
 
 _ROWS_PER_TASK = 8
 FOOTPRINT = 6.0  # How far beside a cone's middle the mip levels that it reads reach, at most [its diameter]
+_CLOSE = 1e-3  # [px]: roundings of float32 positions up to 8192
 _ROUNDING = 2.0**-22  # of coverage in float32: less than one hole in 1024 x 1024 texels
 
 
 class MipChain(NamedTuple):
     """Mip levels of K layers in one list: texels (K, T, C + 2) float32, premultiplied, then coverage by fragments that
-    the layer before lacks, and coverage by all; level (M, 3) int64: first texel, width and height.
+    the layer before lacks, and coverage by all; level (M, 3) int64: first texel, width and height; closed
+    (K, T, C + 1): the same levels with fragments of other layers in the layer's holes, premultiplied, and coverage;
+    T = 0: none.
     """
 
     texels: Float
     level: Index
+    closed: Float
 
 
-def mip_chain(surface: Float, coc: Float, copied: Index, widest: float) -> MipChain:
+def mip_chain(surface: Float, coc: Float, copied: Index, widest: float, reach: Float | None = None) -> MipChain:
     """Mip levels of layers' colours or attributes (K, H, W, C), as far as cones of `widest` diameter [px] need.
 
-    `copied` (K, H, W) tells what the layer before holds, too.
+    `copied` (K, H, W) tells what the layer before holds, too; `reach` (K,) how far beyond a layer's heights surfaces
+    close its holes [px].
     """
     most = 2 + math.ceil(math.log2(max(widest, 1.0)))
-    layers, shapes = [], []
+    layers, closed, shapes = [], [], []
     for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
         own = (filled & ~copy)[..., None]
         image = np.concatenate([np.where(own, values, 0), own], axis=-1, dtype=np.float32)
         levels = coverage_mipmaps(image, filled)[:most]
         shapes = [(level.shape[1], level.shape[0]) for level in levels]
         layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
+    for k in range(0 if reach is None else len(coc)):
+        levels = coverage_mipmaps(*_closed(surface, coc, k, float(reach[k])))[:most]  # type: ignore[index]
+        closed.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
     first = np.cumsum([0, *(width * height for width, height in shapes)])[:-1]
     table = np.array([(f, *shape) for f, shape in zip(first, shapes, strict=True)], dtype=np.int64).reshape(-1, 3)
-    texels = np.stack(layers) if layers else np.zeros((0, 0, surface.shape[3] + 2), dtype=np.float32)
-    return MipChain(texels, table)
+    channels = surface.shape[3]
+    texels = np.stack(layers) if layers else np.zeros((0, 0, channels + 2), dtype=np.float32)
+    return MipChain(
+        texels, table, np.stack(closed) if closed else np.zeros((len(coc), 0, channels + 1), dtype=np.float32)
+    )
+
+
+def _closed(surface: Float, coc: Float, k: int, reach: float) -> tuple[Float, Any]:
+    """Layer k with its holes filled from the nearest layers, up to `reach` from its heights: (H, W, C), and where."""
+    values, filled = surface[k].astype(np.float32), np.isfinite(coc[k])
+    low, high = coc[k].min() - reach, coc[k][filled].max(initial=-np.inf) + reach
+    for n in sorted(range(len(coc)), key=lambda n: abs(n - k))[1:]:
+        more = ~filled & (coc[n] >= low) & (coc[n] <= high)
+        values[more], filled = surface[n][more], filled | more
+    return values, filled
 
 
 def gather_cones(
@@ -95,8 +119,9 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
     """Rows first .. last - 1 of out (H, W, 3)."""
     fields, points, weights, sets = borrow_fields(fields), borrow(points), borrow(weights), borrow(sets)
     texels, level, surfaces, out = borrow(chain.texels), borrow(chain.level), borrow_surfaces(surfaces), borrow(out)
+    closed = borrow(chain.closed)
     layers = np.empty(len(fields.coc), dtype=np.int64)
-    found = np.empty(texels.shape[2])
+    found, whole = np.empty(texels.shape[2]), np.empty(closed.shape[2])
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
@@ -108,19 +133,30 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 through, place = weight, -1  # the part of the cone that goes on
                 while through > 0.0:
-                    place, _, _, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
+                    place, i, j, c = next_hit(fields, layers, place + 1, count, border, px, py, vx, vy, search)
                     if place < 0:
                         break
                     diameter = widening * abs(c)
-                    _read(texels[layers[place]], level, px - c * vx, py + c * vy, diameter, found)
+                    k = layers[place] if layers[place] >= 0 else ~layers[place]
+                    u, v = px - c * vx, py + c * vy
+                    # A surface that goes on behind an edge is as in its last texel; beside that is the edge.
+                    if _beside(u, i, fields.coc.shape[2]) or _beside(v, j, fields.coc.shape[1]):
+                        u, v, diameter = i + 0.5, j + 0.5, 0.0
+                    _read(texels[k], level, u, v, diameter, found)
                     own, free = found[-2], 1.0 - (found[-1] - found[-2])
                     if own <= 0.0:
                         continue
+                    share = own / free if own < free - _ROUNDING else 1.0
+                    if share < 1.0 and closed.shape[1] > 0 and fields.coc[k, j, i] < np.inf:
+                        _read(closed[k], level, u, v, diameter, whole)
+                        own = whole[-1]
+                        share = (own + free - 1.0) / free if own < 1.0 - _ROUNDING else 1.0
+                        found[: len(whole) - 1] = whole[: len(whole) - 1]
                     for channel in range(len(found) - 2):
                         found[channel] /= own
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
                     r, g, b = light_of(surfaces, found, dx, dy)
-                    part = through * own / free if own < free - _ROUNDING else through
+                    part = through * share
                     red, green, blue = red + part * r, green + part * g, blue + part * b
                     through -= part
                 if place == -1:
@@ -135,6 +171,12 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                 red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
+
+
+@inline
+def _beside(u, i, count):
+    """Whether u is not over texel i of `count`; the first and the last are endless."""
+    return (u < i - _CLOSE and i > 0) or (u > i + 1 + _CLOSE and i + 1 < count)
 
 
 @inline

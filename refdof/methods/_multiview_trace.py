@@ -111,7 +111,8 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
                     r, g, b = background
                 else:
                     dx, dy = ray_tangents(shot, x, y, vx, vy)
-                    r, g, b = light_of(surfaces, surface[layers[place], j, i], dx, dy)
+                    k = layers[place] if layers[place] >= 0 else ~layers[place]
+                    r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
                 red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
@@ -158,7 +159,8 @@ def _hit_rows(fields, points, sets, search, first, last, hits):
             for n in range(points.shape[1]):
                 vx, vy = points[chosen, n, 0], points[chosen, n, 1]
                 place, i, j, c = next_hit(fields, layers, 0, count, border, px, py, vx, vy, search)
-                hits.layer[y, x, n] = layers[place] if place >= 0 else place
+                k = layers[place] if place >= 0 else place
+                hits.layer[y, x, n] = ~k if place >= 0 and k < 0 else k
                 hits.texel[y, x, n] = j * fields.coc.shape[2] + i if place >= 0 else -1
                 hits.coc[y, x, n] = c if place >= 0 else np.inf
                 hits.ambiguous[y, x, n] = in_doubt(fields, layers, count, border, px, py, vx, vy, search)
@@ -172,5 +174,4 @@ def _cull_rows(fields, search, first, out):
         for x in range(out.shape[2]):
             count, _ = visit(fields, x, y, search, layers)
             for k in layers[:count]:
-                if k >= 0:
-                    out[k, y, x] = False
+                out[k if k >= 0 else ~k, y, x] = False

@@ -27,13 +27,17 @@ from refdof.tile_sampler import Spend
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "fetch_units", "render"]
+__all__ = ["CITATION", "INPUTS", "PAPER", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "fetch_units", "render"]
 
 CITATION = "haeberli1990"
 SOURCE = "Haeberli and Akeley 1990; Cook, Porter and Carpenter 1984"
 RECONSTRUCTION = False
 INPUTS = ("triangles",)
 PROMISES = ("constant", "pinhole", "focus", "convexity", "energy", "symmetry", "occlusion")
+
+PAPER: dict[str, object] = {
+    "shared_pattern": True,  # [1]: every view is one point of the lens for the whole picture
+}
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,7 @@ PAPER: dict[str, object] = {
 
 _FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
 _RANGE_BLOCK_PX = 16
+PAPER: dict[str, object] = {}
 
 
 @dataclass(frozen=True)

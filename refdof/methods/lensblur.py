@@ -49,7 +49,7 @@ from refdof.sampling import PATTERNS
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "render"]
+__all__ = ["CITATION", "INPUTS", "PAPER", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "render"]
 
 CITATION = "lee2010"
 SOURCE = "Lee, Eisemann, Seidel 2010"
@@ -63,6 +63,10 @@ FILTERS = ("nearest", "linear")
 _BLOCK = 2  # px, [1]: a quarter of the pixels
 _FALL = 0.25  # px of parallax by which a dropped surface may be farther in the texel before; 0 leaves pinholes
 _LARGEST = 1e30  # px of parallax: beyond it products leave float32
+
+PAPER: dict[str, object] = {
+    "filter": "nearest",  # Section 3.1: of the intersection found, "the corresponding color is retrieved"
+}
 
 
 @dataclass(frozen=True)

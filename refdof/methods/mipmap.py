@@ -50,13 +50,29 @@ from refdof.raster.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PAPER",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+]
 
 CITATION = "lee2009mipmap"
 SOURCE = "Lee, Kim, Choi 2009"
 RECONSTRUCTION = False
 INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
+
+PAPER: dict[str, object] = {
+    "blend": "geometric",  # Eqs. (7), (8)
+    "depth_format": "f16",  # Section 3.1: "a 16-bit floating-point texture"
+}
 
 
 @dataclass(frozen=True)

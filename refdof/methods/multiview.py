@@ -4,7 +4,7 @@
 2. Colour them, or store what is needed to shade them later                `_surface`
 3. Choose lens points for every pixel                                      `refdof.lens_pattern`
 4. Skip the layers that no ray of a pixel can meet                         `refdof.raster.height_field`, `visit`
-5. Follow each ray front to back, by false position and bisection          `refdof.raster.height_field`, `next_hit`
+5. Follow each ray front to back, from texel to texel or by false position  `refdof.raster.height_field`, `next_hit`
 6. Average what the rays hit, or blend it along cones                      `refdof.methods._multiview_trace`, `_cones`
 
 Stages, with K layers that are not empty out of L, S depth buffers of the first pass, N lens points, c in px:
@@ -13,30 +13,40 @@ c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "la
 linear RGB or attributes (`refdof.raster.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2), "lens_weights"
 (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N): `refdof.raster.ray_doubt`. With
-cones: "mip_texels" (K, T, C + 2), "mip_levels" (M, 3), and hits are the first ones of the cones' middle rays.
+cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels" (M, 3), and hits are the first ones of the
+cones' middle rays.
 
 Departures from the paper
 -------------------------
 - Decomposition: see `refdof.raster.decomposition`.
 - r = C v of Eq. (3) is on the inverted image of the sensor. On the upright one a ray passes p - c v.
 - Heights are circles of confusion, not depths: a ray is a straight line in them, and false position assumes lines.
+- False position misses surfaces that slant out of the layer before the ray's end: an opaque plane may leak. Layers are
+  narrow, so that a walk over every texel under the ray looks at about as many of them, and misses none: the default.
 - The text stops after three steps and names no tolerance. Heights are those of the nearest texel, so a hit is exact
   as soon as the ray is inside the texel where it has that height; no tolerance is needed.
 - "If d < d^, there is a surface intersection before reaching I" makes every object as thick as its layer: a ray that
-  passes behind its edge hits it, too. Here a wall is surface only up to `wall_px`, since neighbouring texels of slanted
-  surfaces differ by so much; past a higher one the ray goes on to the next layer. `wall_px=inf` is the text; it leaves
-  no holes where the scene has one layer only.
+  passes behind its edge hits it, too. Here it does so where the surface of the texel before goes on in the object's, at
+  most `wall_px` farther: 1 px, by which a plane changes that the whole lens sees. `wall_px=inf` is the text.
+- A layer keeps no surface behind its nearest one: past an edge, rays would fall through. Here the surface from above
+  which the ray came goes on there. With it one layer degrades gently, as in figure 10.
+- With walls the part of a ray in a layer is `wall_px` longer, since its surfaces may go on in the next layer.
 - An empty texel is far while the search steps forward: it does not block. Only at the far end does it count as near.
 - After the steps the far end decides: if its texel blocks the ray, the search halves on, else the layer is missed.
-- What rays see that hit no layer is not said: the scene's background. Rays that leave the image are dropped at the
-  first layer in which they do ("discard"), and others weigh more; a pixel that loses all shows the pinhole's colour.
+- What rays see that hit no layer is not said: the scene's background.
+- Rays that leave the image see its border ("clamp"): nearer to the truth on all built-in scenes. The text drops
+  them ("discard"): here at the first layer in which they do, unless the layer has nothing within the pixel's reach;
+  others weigh more, and a pixel that loses all shows the pinhole's colour.
+- Cones are the default, and Vogel's points, the same for all pixels: what aliasing cones leave is nearer to the
+  reference than the noise that jitter turns it into.
 - Culling tests blocks of 4 x 4 px and a window of one more px than the circle of confusion; the printed size of the
   N-buffer's windows lost its exponent.
 - lambda: "mean distance among the lens samples" and "half the distance to its neighbouring rays" would make cones
   twice as wide as the printed 0.137 for 32 points, which is half of the mean distance to the nearest neighbour of 32
   Poisson-disc points. `cones="paper"` is the printed one, `cones="text"` the other.
 - Cones read mip levels of `glGenerateMipmap`, trilinearly; at less than one texel, the finest.
-- Cones do not blend a fragment a second time from the layer that it was copied to: see `_multiview_cones`.
+- Cones do not blend a fragment a second time from the layer that it was copied to, and cones whose middle meets a
+  surface are not cut where it goes on in the next layer (unless walls are infinite): see `_multiview_cones`.
 - "Distinct" pairs of a noise texel are twelve; the sixteen of the text include a number with itself.
 
 References
@@ -45,6 +55,7 @@ References
    Graphics 28(5).
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,11 +77,15 @@ __all__ = [
     "CITATION",
     "CONES",
     "INPUTS",
+    "LEAST_SPACING",
     "OFFSCREEN",
+    "PAPER",
     "PROMISES",
     "RECONSTRUCTION",
     "SEARCHES",
     "SOURCE",
+    "SPACING",
+    "SPACING_HEIGHT",
     "STARTS",
     "Params",
     "cone_width",
@@ -88,17 +103,28 @@ STARTS = ("ends", "middle")
 OFFSCREEN = ("discard", "clamp")
 CONES = ("none", "paper", "text")
 
+SPACING, SPACING_HEIGHT = 3.0, 600  # Section 4.1: delta of 3 px at 800 x 600
+LEAST_SPACING = 1.0  # px: walls reach as far
+PAPER: dict[str, object] = {
+    "search": "false position",  # Section 4.3, Ray Traversal
+    "wall_px": math.inf,  # Section 4.3: "if d < d^, there is a surface intersection before reaching I"
+    "offscreen": "discard",  # Section 4.3: "discard all rays that leave the frustum"
+    "jitter": "noise",  # Section 4.5, its last paragraph
+    "pattern": "poisson",  # Section 4.3: "a Poisson disk sampling leads to an ideal distribution"
+}
+
 
 @dataclass(frozen=True)
 class Params:
-    """What the paper leaves open, and its numbers.
+    """What the paper leaves open, and its numbers. Defaults are what comes nearest to the reference.
 
     Parameters
     ----------
     samples : int
         Lens points per pixel, 1 .. 4096.
-    spacing_px : float
-        delta: growth of the circle of confusion per layer [px], > 0. The paper uses 3 and 10 at 800 x 600.
+    spacing_px : float, optional
+        delta: growth of the circle of confusion per layer [px], > 0. None: the paper's 3 px for 600 rows, as much less
+        as the picture has fewer rows (circles of confusion are smaller, too), and at least 1 px.
     layers : int, optional
         A budget: this many layers between near and far, whatever the spacing.
     overlap : float
@@ -113,7 +139,8 @@ class Params:
     steps, bisections : int
         Of the search by false position: 1 .. 64 and 0 .. 64. "Three iterations are usually enough."
     wall_px : float
-        How far a ray may enter a texel below its height and still hit it [px of c], >= 0; inf is the text.
+        How far the surface of the next texel under a ray may be nearer and still be the same surface [px of c], >= 0;
+        inf is the text.
     culling : bool
         Skip layers early; changes no bit.
     offscreen : one of `OFFSCREEN`
@@ -128,21 +155,21 @@ class Params:
     """
 
     samples: int = 64
-    spacing_px: float = 3.0
+    spacing_px: float | None = None
     layers: int | None = None
     overlap: float = 0.1
     near: float | None = None
     far: float | None = None
-    search: str = "false position"
+    search: str = "march"
     start: str = "ends"
     steps: int = 3
     bisections: int = 5
-    wall_px: float = 0.25
+    wall_px: float = 1.0
     culling: bool = True
-    offscreen: str = "discard"
-    jitter: str = "noise"
-    pattern: str = "poisson"
-    cones: str = "none"
+    offscreen: str = "clamp"
+    jitter: str = "none"
+    pattern: str = "vogel"
+    cones: str = "paper"
     view_dependent: bool = False
     seed: int = 1
 
@@ -151,7 +178,8 @@ class Params:
             object.__setattr__(self, name, value)
 
         settle("samples", as_integer("samples", self.samples, minimum=1, maximum=4096))
-        settle("spacing_px", as_number("spacing_px", self.spacing_px, above=0.0))
+        if self.spacing_px is not None:
+            settle("spacing_px", as_number("spacing_px", self.spacing_px, above=0.0))
         if self.layers is not None:
             settle("layers", as_integer("layers", self.layers, minimum=1, maximum=4096))
         settle("overlap", as_number("overlap", self.overlap, minimum=0.0, maximum=0.5))
@@ -187,7 +215,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
 
     widening = 0.0 if params.cones == "none" else cone_width(view, params)
     largest = float(np.hypot(*pattern.points.T).max())
-    fields = fields_of(layers.coc, layers.near, layers.far, largest, FOOTPRINT * widening)
+    fields = fields_of(layers.coc, layers.near, layers.far, largest, FOOTPRINT * widening, params.wall_px)
     search = Search(
         params.start == "middle",
         params.steps,
@@ -202,8 +230,10 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     if params.cones == "none":
         return gather(fields, surface, *rays)
     widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
-    chain = mip_chain(surface, layers.coc, copies(layers), widest)
+    reach = None if params.wall_px == np.inf else params.wall_px * _skirt(widening, layers)
+    chain = mip_chain(surface, layers.coc, copies(layers), widest, reach)
     trace.record("mip_texels", lambda: chain.texels)
+    trace.record("mip_closed", lambda: chain.closed)
     trace.record("mip_levels", lambda: chain.level)
     return gather_cones(fields, chain, widening, *rays)
 
@@ -215,13 +245,17 @@ def cone_width(view: View, params: Params) -> float:
     return mean_nearest_distance(points) * (0.5 if params.cones == "paper" else 1.0)
 
 
+def _skirt(widening: float, layers: Decomposition) -> Float:
+    """How far [px] cones read beside a hit: the diagonal of a texel, or two diameters; (K,)."""
+    return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
+
+
 def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
     """Step 1: layers of the view."""
+    choice = _choice(view, params)
     layers, sources = view.product(
-        f"multiview layers {_choice(params)}",
-        lambda: decompose(
-            *view.triangles(), view.camera, view.lens, **_choice(params), texel_bytes=_texel_bytes(params)
-        ),
+        f"multiview layers {choice}",
+        lambda: decompose(*view.triangles(), view.camera, view.lens, **choice, texel_bytes=_texel_bytes(params)),
     )
     trace.record("bounds", lambda: layers.bounds)
     trace.record("source_coc", lambda: sources.coc)
@@ -233,10 +267,10 @@ def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
     return layers
 
 
-def _choice(params: Params) -> dict[str, Any]:
+def _choice(view: View, params: Params) -> dict[str, Any]:
     """What the decomposition depends on besides the view."""
     return {
-        "spacing": params.spacing_px,
+        "spacing": params.spacing_px or max(SPACING * view.camera.height / SPACING_HEIGHT, LEAST_SPACING),
         "count": params.layers,
         "overlap": params.overlap,
         "near": params.near,
@@ -247,14 +281,15 @@ def _choice(params: Params) -> dict[str, Any]:
 def _texel_bytes(params: Params) -> int:
     """Memory per texel of a layer: heights, triangles, search structures, colours or attributes, and their mipmaps."""
     channels = ATTRIBUTES if params.view_dependent else 3
-    return 20 + 4 * channels + (0 if params.cones == "none" else 11 * (channels + 2))
+    mipped = channels + 2 + (0 if params.wall_px == np.inf else channels + 1)
+    return 20 + 4 * channels + (0 if params.cones == "none" else 11 * mipped)
 
 
 def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     """Step 2: colours (K, H, W, 3) or attributes (K, H, W, 13) of the layers."""
     make = attributes_of if params.view_dependent else colors_of
     return view.product(
-        f"multiview {make.__name__} {_choice(params)}",
+        f"multiview {make.__name__} {_choice(view, params)}",
         lambda: make(view.surfaces(), view.shot(), layers.triangle),
     )
 

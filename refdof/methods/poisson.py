@@ -40,7 +40,18 @@ from refdof.raster.mipmap import box_mipmaps
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PAPER",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+]
 
 CITATION = "scheuermann2004"
 SOURCE = "after Scheuermann 2004"
@@ -66,6 +77,7 @@ TAPS = np.array(  # [1], unit disc, y down
 )
 _SMALL = 4  # [1]: the small picture's texels are this many pixels wide
 _SMALL_RADIUS = 0.4  # [1]: radius in its texels, of the radius in pixels
+PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)

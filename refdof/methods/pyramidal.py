@@ -46,7 +46,18 @@ from refdof.raster.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PAPER",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+]
 
 CITATION = "kraus2007"
 SOURCE = "after Kraus, Strengert 2007"
@@ -56,6 +67,7 @@ PROMISES = ("constant", "pinhole", "focus", "convexity")
 
 _FILL_DOWN, _FILL_UP, _BLUR_DOWN, _BLUR_UP = 4, 5, 16, 4  # reads per texel: [2], table 1
 _CULL, _MATTE, _LAY = 1, 1, 1  # reads per pixel and sub-image: [2], table 1
+PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)

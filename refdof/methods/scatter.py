@@ -35,7 +35,18 @@ from refdof.raster.disc import LARGEST_DISC, covered, inner_count, outer_count
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PAPER",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+]
 
 CITATION = "potmesil1981"
 SOURCE = "after Potmesil, Chakravarty 1981"
@@ -44,6 +55,7 @@ INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
 
 _BAND = 64  # rows
+PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)

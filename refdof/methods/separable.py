@@ -36,7 +36,18 @@ from refdof.methods._images import as_images, depth_in_range, within
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "blur", "fetch_units", "render"]
+__all__ = [
+    "CITATION",
+    "INPUTS",
+    "PAPER",
+    "PROMISES",
+    "RECONSTRUCTION",
+    "SOURCE",
+    "Params",
+    "blur",
+    "fetch_units",
+    "render",
+]
 
 CITATION = "zhou2007"
 SOURCE = "after Zhou, Chen, Pullen 2007"
@@ -45,6 +56,7 @@ INPUTS = ("pinhole colour", "pinhole depth")
 PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
 
 _LARGEST = 65536.0  # px: pi r^2 stays far from the ends of float32
+PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ __all__ = [
     "CITATION",
     "INPUTS",
     "MAX_BLUR_SIZE",
+    "PAPER",
     "PROMISES",
     "RECONSTRUCTION",
     "SOURCE",
@@ -64,6 +65,7 @@ MAX_BLUR_SIZE = 20.0  # px, [1], listing
 RAD_SCALE = 0.5  # [1], listing: smaller is nicer, larger is faster
 _BEHIND = 2.0  # [1], listing: a tap from behind counts up to this many times the centre's size
 _MARGIN = int(MAX_BLUR_SIZE) + 2  # texels that a tap can reach beyond the border
+PAPER: dict[str, object] = {}  # the listing leaves texture filters to the host, and nothing else is a parameter
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ Departures from the paper
 - Eq. (4) gives as many layers as there are at the far end, where its index is one too high: the last layer is closed.
 - `overlap` is a share of the spacing, added on each side; "10 %" may also mean half of that.
 - Rays are tested from a layer's least height to its greatest, not between its bounds: where it holds one flat card,
-  that is a point, and a ray cannot pass behind the card before it leaves the layer.
+  that is a point.
 - The near plane is the nearest fragment and the far plane the farthest vertex, so that layers begin with the scene.
 
 References

@@ -1,16 +1,24 @@
 """Height fields: where a lens ray first meets a stack of layers whose heights are circles of confusion.
 
 At circle of confusion c the ray of a pixel through lens point v passes the image at (x - c v_x, y + c v_y), y down: a
-straight line in (x, y, c). Each texel is a column as high as its surface, read at the nearest texel. A ray meets
+straight line in (x, y, c). Each texel is a column as high as its surface, read at the nearest texel. In each layer,
+front to back, a ray meets
 
-- a top, where the texel's own height lies on the part of the ray inside the texel, or
-- a wall, where it enters a texel below that height. A wall up to `thickness` [px] is surface; a higher one is the edge
-  of an object that the ray passes behind.
+- a top, where the texel's own height lies on the part of the ray inside the texel; or
+- a wall, where it comes into a texel below that height, out of a texel with a surface that goes on there: of this or a
+  farther layer, not in front of the ray, and at most `wall` [px] above the texel's. A plane that the whole lens sees
+  from one side changes by less than 1 px per px: with 1 px it has no cracks.
+
+Else the ray passes behind an object's edge. What the layer held there it has lost to the nearer object: the surface of
+the texel that the ray came from goes on behind it, at its height, until the ray comes out again.
+
+The part of a ray in a layer lies between the layer's least and greatest height; walls are looked for `wall` farther, as
+they may lead to the next layer. With `wall` infinite all walls are surface, and objects as thick as their layer [1].
 
 1. `visit`       which layers a pixel's rays can meet at all: culling with N-buffers
 2. `next_hit`    layers front to back
-3. `_search`     within one: false position, then bisection [1]
-4. `_march`      or every texel under the ray, in order: exact for these columns
+3. `_walk`       within one: every texel under the ray, in order; exact for these columns
+4. `_search`     or false position, then bisection [1], and a walk over what they leave
 
 References
 ----------
@@ -26,7 +34,18 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.raster.nbuffer import lowest_in, n_buffer
 
-__all__ = ["Fields", "Search", "borrow_fields", "fields_of", "first_texel", "next_hit", "step", "visit"]
+__all__ = [
+    "Fields",
+    "Search",
+    "borrow_fields",
+    "end_of",
+    "fields_of",
+    "first_texel",
+    "goes_on",
+    "next_hit",
+    "step",
+    "visit",
+]
 
 _BLOCK = 4  # [px] of the N-buffers: windows grow by up to 3 px, memory shrinks sixteenfold
 
@@ -47,27 +66,28 @@ class Fields(NamedTuple):
 
 class Search(NamedTuple):
     """How to search: whether to begin in the middle of a layer; steps of false position and of bisection; highest wall
-    that is surface [px]; whether to march instead; whether to cull; whether rays that leave the image are dropped
-    (else the image's border goes on); whether a layer that the ray leaves over an empty texel counts as met, where the
-    search ended.
+    that is surface [px]; whether to walk over every texel instead; whether to cull; whether rays that leave the image
+    are dropped (else the image's border goes on); whether a layer that the ray leaves over an empty texel counts as
+    met, at its far end.
     """
 
     middle: bool
     steps: int
     bisections: int
-    thickness: float
+    wall: float
     march: bool
     culling: bool
     discard: bool
     holes: bool = False
 
 
-def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0) -> Fields:
+def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0, wall: float = 1.0) -> Fields:
     """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc.
 
-    Rays read up to `widening` times the circle of confusion beside them.
+    Rays read up to `widening` times the circle of confusion beside them. Walls are at most `wall` high.
     """
-    extent = np.ceil(np.maximum(np.abs(near), np.abs(far)).astype(np.float64) * (largest + widening))
+    end = far.astype(np.float64) + (wall if wall < np.inf else 0.0)
+    extent = np.ceil(np.maximum(np.abs(near.astype(np.float64)), np.abs(end)) * (largest + widening))
     reach = np.minimum(extent, max(coc.shape[1:])).astype(np.int64) + 1
     window = 2 * int(reach.max(initial=0)) + 1
     levels = [n_buffer(layer, extremes="min", largest=window, block=_BLOCK).lowest for layer in coc]
@@ -87,57 +107,105 @@ def borrow_fields(fields):
 def visit(fields, x, y, search, layers):
     """Write the layers that rays of pixel (x, y) can meet into layers (K,); returns (their count, border).
 
-    `border` tells that a ray may leave the image. Layers that are culled there are written as ~k, since leaving the
-    image within them counts.
+    `border` tells that rays which leave the image are dropped. A layer that holds nothing within their reach drops
+    none: it is left out, or without culling written as ~k.
     """
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     count, border = 0, False
     for k in range(len(fields.coc)):
         r = fields.reach[k]
-        border = border or x < r or y < r or x + r >= width or y + r >= height
-    for k in range(len(fields.coc)):
-        r = fields.reach[k]
+        outside = search.discard and (x < r or y < r or x + r >= width or y + r >= height)
         x0, x1, y0, y1 = max(x - r, 0), min(x + r, width - 1), max(y - r, 0), min(y + r, height - 1)
-        if not search.culling or lowest_in(fields.lowest[k], _BLOCK, x0, y0, x1, y1, False) < np.inf:
-            layers[count] = k
+        empty = (search.culling or outside) and lowest_in(fields.lowest[k], _BLOCK, x0, y0, x1, y1, False) == np.inf
+        border = border or (outside and not empty)
+        if not (search.culling and empty):
+            layers[count] = ~k if empty else k
             count += 1
-        elif border and search.discard:
-            layers[count] = ~k
-            count += 1
-    return count, border and search.discard
+    return count, border
 
 
 @inline
 def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
     """The first hit in layers[first:count] of the ray at (px - c vx, py + c vy).
 
-    Returns (place in `layers`, column, row, c); place -1: none, -2: the ray leaves the image. With `search.holes` the
-    texel may be an empty one.
+    Returns (place in `layers`, column, row, c); place -1: none, -2: the ray leaves the image. Behind an edge the ray is
+    not over the texel that it meets. With `search.holes` the texel may be an empty one.
     """
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     for place in range(first, count):
         k = layers[place]
-        if border:
-            seen = ~k if k < 0 else k
-            near, far = fields.near[seen], fields.far[seen]
+        if k < 0:
+            k = ~k
+        elif border:
+            near, far = fields.near[k], fields.far[k]
             x0, x1, y0, y1 = px - near * vx, px - far * vx, py + near * vy, py + far * vy
             if min(x0, x1) < 0 or min(y0, y1) < 0 or max(x0, x1) >= width or max(y0, y1) >= height:
                 return -2, 0, 0, near
-            if k < 0:
-                continue
         if search.march:
-            x, y, c = _march(fields.coc, k, fields.near[k], fields.far[k], px, py, vx, vy, search)
+            x, y, c = _walk(fields, k, fields.near[k], px, py, vx, vy, search)
         else:
-            x, y, c = _search(fields.coc, k, fields.near[k], fields.far[k], px, py, vx, vy, search)
+            x, y, c = _search(fields, k, px, py, vx, vy, search)
+        if x < 0 and search.holes:
+            x, y, top = _texel(fields.coc, k, px, py, vx, vy, fields.far[k])
+            c, x = fields.far[k], x if top == np.inf else -1
         if x >= 0:
             return place, x, y, c
     return -1, 0, 0, px
 
 
 @inline
-def _search(coc, k, near, far, px, py, vx, vy, search):
+def _walk(fields, k, begin, px, py, vx, vy, search):
+    """Every texel under the ray in layer k from `begin` on, in order: (column, row, c) of the first hit.
+
+    Column -1: none. At `begin` the ray is in front of the layer.
+    """
+    coc = fields.coc
+    enter, last = np.float64(begin), np.float64(end_of(fields.far[k], search.wall))
+    rows, columns = coc.shape[1], coc.shape[2]
+    x, y = first_texel(px, py, vx, vy, begin, columns, rows)
+    before_x, before_y = -1, -1  # where the ray comes from
+    seen_x, seen_y, seen = -1, -1, np.inf  # the texel that it was in front of last, and its height
+    while True:
+        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
+        i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
+        height = np.float64(coc[k, j, i])
+        if height >= enter:
+            if height <= leave:
+                return i, j, coc.dtype.type(height)
+            seen_x, seen_y, seen = i, j, height
+        elif before_x < 0 or (
+            (i != before_x or j != before_y) and goes_on(fields, k, before_x, before_y, enter, height + search.wall)
+        ):
+            return i, j, coc.dtype.type(enter)
+        elif seen <= leave:
+            return seen_x, seen_y, coc.dtype.type(seen)
+        if leave >= last:
+            return -1, 0, coc.dtype.type(last)
+        enter, x, y, before_x, before_y = leave, next_x, next_y, i, j
+
+
+@inline
+def end_of(far, wall):
+    """Where the part of a ray ends that can meet a layer up to `far`."""
+    return far + (type(far)(wall) if wall < np.inf else type(far)(0.0))
+
+
+@inline
+def goes_on(fields, k, x, y, low, high):
+    """Whether layer k or a farther one has a surface between low and high at texel (x, y)."""
+    for n in range(k, len(fields.coc)):
+        if fields.near[n] > high:
+            return False
+        if low <= fields.coc[n, y, x] <= high:
+            return True
+    return False
+
+
+@inline
+def _search(fields, k, px, py, vx, vy, search):
     """False position and bisection in layer k: (column, row, c); column -1: no hit."""
-    half, thickness = coc.dtype.type(0.5), coc.dtype.type(search.thickness)
+    coc, half = fields.coc, fields.coc.dtype.type(0.5)
+    near, far = fields.near[k], end_of(fields.far[k], search.wall)
     # Empty ends count as the bound at the other end, which puts the first guess in the middle.
     a, b, above, below = near, far, far - near, near - far
     blocked = crossed = False
@@ -176,7 +244,7 @@ def _search(coc, k, near, far, px, py, vx, vy, search):
     if not blocked:
         bx, by, top = _texel(coc, k, px, py, vx, vy, b)
         if top == np.inf:
-            return (bx, by, a) if search.holes else (-1, 0, near)
+            return -1, 0, near
     # Halve the part in which the surface comes before the ray.
     for _ in range(search.bisections):
         c = half * (a + b)
@@ -187,26 +255,11 @@ def _search(coc, k, near, far, px, py, vx, vy, search):
             b, bx, by, top = c, x, y, height
         else:
             a = c
+    if search.wall < np.inf:
+        return _walk(fields, k, a, px, py, vx, vy, search)
     if _on_top(coc, px, py, vx, vy, bx, by, top):
         return bx, by, top
-    return (bx, by, b) if b - top <= thickness else (-1, 0, near)
-
-
-@inline
-def _march(coc, k, near, far, px, py, vx, vy, search):
-    """Every texel under the ray in layer k, in order: (column, row, c) of the first top or wall; column -1: none."""
-    enter, last = np.float64(near), np.float64(far)
-    rows, columns = coc.shape[1], coc.shape[2]
-    x, y = first_texel(px, py, vx, vy, near, columns, rows)
-    while True:
-        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
-        i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
-        height = coc[k, j, i]
-        if height <= leave and height >= enter - search.thickness:
-            return i, j, coc.dtype.type(max(np.float64(height), enter))
-        if leave >= last:
-            return (i, j, far) if search.holes and height == np.inf else (-1, 0, near)
-        enter, x, y = leave, next_x, next_y
+    return bx, by, b
 
 
 @inline

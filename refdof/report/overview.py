@@ -122,7 +122,7 @@ def _cells(comparison: Comparison) -> list[_Cell]:
         psnr, _, ssim, flip = cells(row)[:4]
         image = display(row.image)
         error = _scaled(np.abs(image - reference))
-        shown.append(_Cell(row.method, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error))
+        shown.append(_Cell(row.name, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error))
     return shown
 
 

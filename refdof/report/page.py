@@ -33,7 +33,7 @@ def report_page(comparison: Comparison, command: str = "") -> str:
     height, width = comparison.reference.shape[:2]
     encoding = "float16" if width * height <= FLOAT_LIMIT_PX else "png"
     images = [("reference", comparison.reference), ("pinhole", comparison.pinhole)]
-    images += [(row.method, row.image) for row in comparison.rows]
+    images += [(row.name, row.image) for row in comparison.rows]
     if encoding == "float16":
         images.append(("standard error", comparison.standard_error))
     values = rows_as_json(comparison, command)
@@ -72,7 +72,7 @@ def _table(comparison: Comparison) -> dict[str, Any]:
         "columns": [title for _, title, _ in COLUMNS],
         "rows": [
             {
-                "method": row.method,
+                "method": row.name,
                 "cells": cells(row),
                 "note": "at the noise floor" if at_noise_floor(row, comparison) else "",
                 "params": ", ".join(f"{key} = {plain(value)}" for key, value in row.params.items()),

@@ -48,6 +48,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
         "rows": [
             {
                 "method": row.method,
+                "preset": row.preset,
                 "params": plain(row.params),
                 **{name: plain(row.scores.get(name)) for name in SCORES},
                 "prepare_s": plain(row.prepare_s),
@@ -72,9 +73,13 @@ def command_of(comparison: Comparison) -> str:
     words += ["--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
     words += ["--samples", str(round(comparison.samples))]
     words += ["--methods", ",".join(dict.fromkeys(row.method for row in comparison.rows))]
-    for row in comparison.rows:
-        for key, value in row.params.items():
-            words += ["--set", f"{row.method}.{key}={value}"]
+    words += ["--preset", ",".join(dict.fromkeys(row.preset for row in comparison.rows))]
+    for method in dict.fromkeys(row.method for row in comparison.rows):
+        first, *others = [row.params for row in comparison.rows if row.method == method]
+        for key, value in first.items():
+            if all(params[key] == value for params in others):  # else the presets tell
+                text = str(value).lower() if isinstance(value, bool) else value
+                words += ["--set", f"{method}.{key}={text}"]
     return shlex.join([*words, "--out", "DIR"])
 
 

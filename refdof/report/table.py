@@ -32,7 +32,7 @@ def markdown_table(comparisons: Sequence[Comparison]) -> str:
     for comparison in comparisons:
         head = ["method", *(title for _, title, _ in COLUMNS), "note"]
         body = [
-            [row.method, *cells(row), "at the noise floor" if at_noise_floor(row, comparison) else ""]
+            [row.name, *cells(row), "at the noise floor" if at_noise_floor(row, comparison) else ""]
             for row in comparison.rows
         ]
         width, height = comparison.camera.size
@@ -75,13 +75,13 @@ def csv_table(comparisons: Sequence[Comparison]) -> str:
     """The same rows with every digit; one line for each scene and method, `params` as JSON."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["scene", "method", *(key for key, _, _ in COLUMNS), "at_noise_floor", "params"])
+    writer.writerow(["scene", "method", *(key for key, _, _ in COLUMNS), "at_noise_floor", "params", "preset"])
     for comparison in comparisons:
         for row in comparison.rows:
             values: list[Any] = [row.scores.get(k) if k in SCORES else getattr(row, k) for k, _, _ in COLUMNS]
             noise = str(at_noise_floor(row, comparison)).lower()
             params = json.dumps(plain(row.params), allow_nan=False)
-            writer.writerow([comparison.scene, row.method, *(plain(v) for v in values), noise, params])
+            writer.writerow([comparison.scene, row.method, *(plain(v) for v in values), noise, params, row.preset])
     return stream.getvalue()
 
 

@@ -87,7 +87,7 @@ def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any)
 
 def _images(comparison: Comparison) -> list[tuple[str, Float]]:
     """File name without suffix, and image, of everything that gets a picture."""
-    names = _distinct(["reference", "pinhole", *(row.method for row in comparison.rows)])
+    names = _distinct(["reference", "pinhole", *(row.name for row in comparison.rows)])
     images = [comparison.reference, comparison.pinhole, *(row.image for row in comparison.rows)]
     for name, image in zip(names, images, strict=True):
         if image.shape != comparison.reference.shape:
