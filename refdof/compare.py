@@ -6,16 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import InputError
+from refdof._check import InputError, as_choice, as_function, as_instance
 from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
 from refdof.lens import ThinLens
+from refdof.methods import METHODS
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
 from refdof.reference import reference_of_view
 from refdof.rendering import make_params, render_view
 from refdof.scene import Part, Scene
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["compare", "warm_up"]
 
@@ -50,11 +51,19 @@ def compare(
     InputError
         If a method or parameter is not allowed, or the picture is too small for SSIM's window.
     """
-    view = View(scene, camera or scene.camera, lens or scene.lens)
+    view = view_of(scene, camera, lens)
+    as_function("progress", progress)
+    if isinstance(methods, str) or not isinstance(methods, Sequence):
+        raise InputError(f"methods: got {methods!r:.80}; allowed is a list of names")
+    for name in methods:
+        as_choice("methods", name, METHODS)
+    given = {} if params is None else as_instance("params", params, Mapping)
+    for name, values in given.items():
+        as_instance(f"params of {as_choice('params', name, methods)}", values, Mapping)
     if min(view.camera.size) < WINDOW:
         width, height = view.camera.size
         raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
-    chosen = {name: dict((params or {}).get(name, {})) for name in methods}
+    chosen = {name: dict(given.get(name, {})) for name in methods}
     for name, values in chosen.items():
         make_params(name, values)
     tell = progress or (lambda _what, _done, _all: None)

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, as_choice, as_integer, as_number
+from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
 from refdof.camera import Camera
 from refdof.error_bar import grid_of, summarise, unfinished
@@ -34,7 +34,7 @@ from refdof.owen import MAX_LOG2, block_of
 from refdof.raster.raycast import new_packets, new_query
 from refdof.scene import Scene
 from refdof.small_lights import first_samples
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["PIXEL_FILTERS", "Reference", "reference", "reference_of_view"]
 
@@ -110,7 +110,7 @@ def reference(
     -------
     Reference
     """
-    view = View(scene, camera or scene.camera, lens or scene.lens)
+    view = view_of(scene, camera, lens)
     return reference_of_view(view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress)
 
 
@@ -125,10 +125,13 @@ def reference_of_view(
     progress: Callable[[int, int], None] | None = None,
 ) -> Reference:
     """`reference` of a view whose products are shared."""
-    samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
+    as_instance("view", view, View)
     replicates = as_integer("replicates", replicates, minimum=16, maximum=4096)
+    samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
     if tolerance is not None:
         tolerance = as_number("tolerance", tolerance, above=0.0)
+    as_bool("shared_pattern", shared_pattern)
+    as_function("progress", progress)
     return estimate(view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress)
 
 

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, as_choice
+from refdof._check import Float, as_bool, as_choice, as_instance
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.methods import METHODS
 from refdof.scene import Scene
 from refdof.trace import Trace
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["Result", "make_params", "render", "render_view"]
 
@@ -62,12 +62,14 @@ def render(
     InputError
         If the method, a parameter's name or its value is not allowed.
     """
-    return render_view(method, View(scene, camera or scene.camera, lens or scene.lens), stages, **params)
+    return render_view(method, view_of(scene, camera, lens), stages, **params)
 
 
 def render_view(method: str, view: View, stages: bool = False, **params: Any) -> Result:
     """`render` of a view whose products are shared."""
     chosen = make_params(method, params)
+    as_instance("view", view, View)
+    as_bool("stages", stages)
     trace = Trace(stages)
     with view.booking() as book:
         start = time.perf_counter()
@@ -85,6 +87,7 @@ def make_params(method: str, values: dict[str, Any]) -> Any:
         If the method or a parameter does not exist (with the nearest name), or a value is not allowed.
     """
     as_choice("method", method, METHODS)
+    as_instance("values", values, dict)
     kind = METHODS[method].Params
     for name in values:
         as_choice(f"parameter of {method}", name, [field.name for field in fields(kind)])

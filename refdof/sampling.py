@@ -26,7 +26,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.stats import qmc
 
-from refdof._check import Float, InputError, as_choice, as_integer
+from refdof._check import Float, InputError, as_choice, as_instance, as_integer
 from refdof.aperture import Aperture
 
 __all__ = ["PATTERNS", "lens_samples"]
@@ -70,7 +70,7 @@ def lens_samples(
     count = as_integer("count", count, minimum=1, maximum=_MAX_COUNT)
     make = _SQUARES[as_choice("pattern", pattern, PATTERNS)]
     rng = np.random.default_rng(as_integer("seed", seed, minimum=0))
-    aperture = aperture or Aperture.disc()
+    aperture = Aperture.disc() if aperture is None else as_instance("aperture", aperture, Aperture)
     points = aperture.from_square(make(count, rng))
     weights = aperture.transmission(points)
     if not weights.sum() > 0.0:
