@@ -43,6 +43,6 @@ def depth_in_range(depth: Float) -> Float:
     Only ratios of depths count: the nearest is brought to 0.5 .. 1, which changes no bit of a mantissa.
     """
     nearest = depth.min(initial=np.inf, where=np.isfinite(depth))
-    scaled = np.ldexp(depth, -int(np.frexp(nearest)[1])) if np.isfinite(nearest) else depth
     with np.errstate(over="ignore"):
+        scaled = np.ldexp(depth, -int(np.frexp(nearest)[1])) if np.isfinite(nearest) else depth
         return scaled.astype(np.float32)
