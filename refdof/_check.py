@@ -172,7 +172,7 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
 def as_instance(name: str, value: Any, kind: type) -> Any:
     """Return `value` if it is a `kind`."""
     if not isinstance(value, kind):
-        raise InputError(f"{name}: got {_said(value)}; allowed is a {kind.__name__}")
+        raise InputError(f"{name}: got {type(value).__name__}; allowed is a {kind.__name__}")
     return value
 
 

@@ -205,5 +205,5 @@ def test_paths_functions_and_lists_are_not_guessed():
     for value in (None, "ab", 3, {1, 2}):
         with pytest.raises(InputError, match=r"^parts: got .*; allowed is a list of int"):
             _check.as_instances("parts", value, int)
-    with pytest.raises(InputError, match=r"^parts\[1\]: got 'b'; allowed is a int"):
+    with pytest.raises(InputError, match=r"^parts\[1\]: got str; allowed is a int"):
         _check.as_instances("parts", [1, "b"], int)
