@@ -56,6 +56,8 @@ UV = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])
 NORMAL = np.array([[0.0, 0.0, 1.0]] * 3)
 TEXELS = np.linspace(0.0, 1.0, 12).reshape(2, 2, 3)
 MATERIAL = Material("phong", (0.5, 0.5, 0.5), TEXELS, (0.0, 0.1, 0.0), (0.2, 0.2, 0.2), 8.0)
+# Of one colour: it meets any tolerance at once.
+EVEN = Scene.from_parts("even", [Part(CORNERS, FACES, Material("unlit"))], CAMERA, LENS, (1.0, 1.0, 1.0))
 LIGHT = Light(environment=np.full((2, 2, 3), 0.5))
 PART = Part(CORNERS, FACES, MATERIAL, UV, np.full((3, 3), 0.5), NORMAL)
 SCENE = Scene.from_parts("stage", [PART], CAMERA, LENS, (0.1, 0.2, 0.3), LIGHT)
@@ -297,10 +299,10 @@ DOORS: dict[str, Door] = {
         {"camera": CAMERA, "lens": LENS, "near": 1.0, "far": 9.0, "extent_px": 2},
         {"near": ("far",)},
     ),
-    "refdof.reference.reference": Door(refdof.reference, {"scene": SCENE} | _REFERENCE),
+    "refdof.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE),
     "refdof.reference.reference_of_view": Door(
         reference_of_view,
-        {"view": _view()} | {k: v for k, v in _REFERENCE.items() if k not in ("camera", "lens")},
+        {"view": View(EVEN, CAMERA, LENS)} | {k: v for k, v in _REFERENCE.items() if k not in ("camera", "lens")},
     ),
     "refdof.rendering.make_params": Door(
         make_params, {"method": "scatter", "values": {"order": "none"}}, {"values": ("parameter of scatter",)}
