@@ -339,7 +339,10 @@ DOORS: dict[str, Door] = {
 }
 for _name, _module in METHODS.items():
     DOORS[f"refdof.methods.{_name}.Params"] = Door(
-        _rendered(_name), _params_base(_name), {"near": ("near, far",), "far": ("near", "near, far")}, any_result=True
+        _rendered(_name),
+        _params_base(_name),
+        {"near": ("near, far", "spacing_px"), "far": ("near", "near, far", "spacing_px")},
+        any_result=True,
     )
     if hasattr(_module, "blur"):
         DOORS[f"refdof.methods.{_name}.blur"] = Door(
