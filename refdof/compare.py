@@ -54,7 +54,7 @@ def compare(
     view = view_of(scene, camera, lens)
     as_function("progress", progress)
     if isinstance(methods, str) or not isinstance(methods, Sequence):
-        raise InputError(f"methods: got {methods!r:.80}; allowed is a list of names")
+        raise InputError(f"methods: got {type(methods).__name__}; allowed is a list of names")
     for name in methods:
         as_choice("methods", name, METHODS)
     given = {} if params is None else as_instance("params", params, Mapping)
