@@ -5,13 +5,18 @@ Every error names the argument, what it got and what is allowed. Behind the gate
 
 import difflib
 import math
+import os
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "LARGEST_COLOR",
+    "LARGEST_LENGTH",
+    "LARGEST_LIGHT",
     "Float",
     "Index",
     "InputError",
@@ -19,17 +24,26 @@ __all__ = [
     "as_choice",
     "as_color",
     "as_float",
+    "as_function",
+    "as_image",
     "as_index",
     "as_instance",
+    "as_instances",
     "as_integer",
     "as_number",
     "as_pair",
+    "as_path",
     "as_vector",
     "shape_of",
 ]
 
 Float: TypeAlias = npt.NDArray[np.floating[Any]]
 Index: TypeAlias = npt.NDArray[np.integer[Any]]
+
+LARGEST_COLOR = 1e8  # of a scene: four of them multiplied, and some more added, stay below LARGEST_LIGHT
+LARGEST_LIGHT = 1e33  # of a picture: sums of 65536 reads, the most of any filter, stay in float32
+LARGEST_LENGTH = 1e100  # of a coordinate [scene units]: products of three stay in float64
+_MOST_WORDS = 80  # characters of a value that an error repeats
 
 
 class InputError(ValueError):
@@ -45,24 +59,21 @@ def as_float(
     finite: bool = True,
     nan: bool = False,
     minimum: float | None = None,
+    maximum: float | None = None,
 ) -> Float:
     """Return `value` as a C-contiguous float array of `shape` (None: any length).
 
     float32 and float64 are kept unless `dtype` is given; everything else becomes float64. NaN is only
-    allowed if `nan` is True, infinities only if `finite` is False.
+    allowed if `nan` is True, infinities only if `finite` is False. Finite values must fit the type.
     """
-    try:
-        array = np.asarray(value)
-        if np.iscomplexobj(array):
-            raise TypeError
-        wanted = np.dtype(dtype) if dtype is not None else array.dtype
-        if wanted not in (np.float32, np.float64):
-            wanted = np.dtype(np.float64)
-        with np.errstate(over="ignore"):  # too large for `wanted` becomes infinite, which is judged below
-            array = np.asarray(array, dtype=wanted, order="C")  # keeps a single number's shape ()
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: expected numbers, got {type(value).__name__}") from None
+    array = _as_array(name, value)
+    if array.dtype.kind not in "buif":
+        raise InputError(f"{name}: got {_said(value)}; allowed are numbers")
     _check_shape(name, array.shape, shape)
+    if array.dtype not in (np.float32, np.float64):
+        with np.errstate(over="ignore"):  # long doubles
+            array = array.astype(np.float64)
+    wanted = np.dtype(dtype) if dtype is not None else array.dtype
     with np.errstate(over="ignore", invalid="ignore"):
         suspicious = not np.isfinite(array.sum())  # as it is if a value is not finite: one quick pass
     if suspicious:
@@ -70,21 +81,44 @@ def as_float(
             raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
         if finite and np.isinf(array).any():
             raise InputError(f"{name}: has {int(np.isinf(array).sum())} infinite values; only finite ones are allowed")
-    if minimum is not None and array.size and array.min() < minimum:
+    if maximum is None and finite and wanted.itemsize < array.dtype.itemsize:
+        maximum = float(np.finfo(wanted).max)
+        minimum = -maximum if minimum is None else minimum
+    if minimum is not None and array.size and float(array.min()) < minimum:
         raise InputError(f"{name}: smallest value is {array.min():g}; allowed are values >= {minimum:g}")
-    return array
+    if maximum is not None and array.size and float(array.max()) > maximum:
+        raise InputError(f"{name}: largest value is {array.max():g}; allowed are values <= {maximum:g}")
+    with np.errstate(over="ignore"):  # where infinities are allowed, what is too large becomes one
+        return np.asarray(array, dtype=wanted, order="C")  # keeps a single number's shape ()
+
+
+def as_image(
+    name: str,
+    value: Any,
+    shape: Sequence[int | None] = (None, None, 3),
+    *,
+    dtype: npt.DTypeLike | None = None,
+    finite: bool = True,
+    minimum: float = -LARGEST_LIGHT,
+    maximum: float = LARGEST_LIGHT,
+) -> Float:
+    """Return linear light as `as_float` does: at least one pixel, and not an 8- or 16-bit file's display values."""
+    array = _as_array(name, value)
+    if array.dtype.kind == "b" or (array.dtype.kind == "u" and array.dtype.itemsize <= 2):
+        raise InputError(f"{name}: got {array.dtype} values; allowed are floats that hold linear light")
+    if array.size == 0 and array.ndim == len(shape) >= 3:
+        raise InputError(f"{name}: got shape {array.shape}; allowed is at least one pixel")
+    low, high = (minimum, maximum) if finite else (None, None)
+    return as_float(name, array, shape, dtype=dtype, finite=finite, minimum=low, maximum=high)
 
 
 def as_index(name: str, value: Any, shape: Sequence[int | None], *, end: int) -> Index:
     """Return `value` as a C-contiguous int64 array of `shape` with every entry in 0 .. end - 1."""
-    try:
-        array = np.asarray(value)
-    except ValueError:  # rows of different lengths
-        raise InputError(f"{name}: expected integers, got {type(value).__name__}") from None
+    array = _as_array(name, value)
     if array.size == 0:
-        array = array.astype(np.int64)
-    if not np.issubdtype(array.dtype, np.integer):
-        raise InputError(f"{name}: expected integers, got {array.dtype}")
+        array = np.zeros(array.shape, dtype=np.int64)
+    if array.dtype.kind not in "ui":
+        raise InputError(f"{name}: got {_said(value)} of type {array.dtype}; allowed are integers")
     array = np.ascontiguousarray(array, dtype=np.int64)
     _check_shape(name, array.shape, shape)
     if array.size and (array.min() < 0 or array.max() >= end):
@@ -104,9 +138,11 @@ def as_number(
     """Return `value` as a float inside the stated range; `above` is exclusive, the others inclusive."""
     allowed = _range_in_words(above, minimum, maximum, finite)
     try:
+        if _is_no_number(value):
+            raise TypeError
         number = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: got {value!r}; allowed is {allowed}") from None
+        raise InputError(f"{name}: got {_said(value)}; allowed is {allowed}") from None
     if (
         math.isnan(number)
         or (finite and math.isinf(number))
@@ -122,14 +158,14 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
     """Return `value` as an int inside minimum .. maximum; 3.0 is taken, 3.5 is not."""
     allowed = f"a whole number >= {minimum}" if maximum is None else f"a whole number in {minimum} .. {maximum}"
     try:
-        if np.ndim(value) != 0:
+        if _is_no_number(value):
             raise TypeError
         number = int(value)
-        whole = not isinstance(value, bool) and number == float(value)
+        whole = number == float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: got {value!r}; allowed is {allowed}") from None
+        raise InputError(f"{name}: got {_said(value)}; allowed is {allowed}") from None
     if not whole or number < minimum or (maximum is not None and number > maximum):
-        raise InputError(f"{name}: got {value!r}; allowed is {allowed}")
+        raise InputError(f"{name}: got {_said(value)}; allowed is {allowed}")
     return number
 
 
@@ -140,22 +176,45 @@ def as_instance(name: str, value: Any, kind: type) -> Any:
     return value
 
 
+def as_instances(name: str, value: Any, kind: type) -> tuple[Any, ...]:
+    """Return the items of `value`, a list or tuple, if each is a `kind`."""
+    if not isinstance(value, list | tuple):
+        raise InputError(f"{name}: got {_said(value)}; allowed is a list of {kind.__name__}")
+    return tuple(as_instance(f"{name}[{k}]", item, kind) for k, item in enumerate(value))
+
+
+def as_function(name: str, value: Any) -> Any:
+    """Return `value` if it is None or can be called."""
+    if value is not None and not callable(value):
+        raise InputError(f"{name}: got {_said(value)}; allowed is a function")
+    return value
+
+
+def as_path(name: str, value: Any) -> Path:
+    """Return `value` as the path of a file; it need not exist."""
+    text = os.fspath(value) if isinstance(value, str | os.PathLike) else None
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise InputError(f"{name}: got {_said(value)}; allowed is a path")
+    return Path(text)
+
+
 def as_bool(name: str, value: Any) -> bool:
     """Return `value` if it is a truth value; words and numbers are not taken."""
     if not isinstance(value, bool | np.bool_):
-        raise InputError(f"{name}: got {value!r}; allowed are True and False")
+        raise InputError(f"{name}: got {_said(value)}; allowed are True and False")
     return bool(value)
 
 
 def as_vector(name: str, value: Any) -> tuple[float, float, float]:
-    """Return `value` as three finite floats."""
-    x, y, z = as_float(name, value, (3,), dtype=np.float64).tolist()
+    """Return `value` as three finite floats: a place or a direction."""
+    bound = LARGEST_LENGTH
+    x, y, z = as_float(name, value, (3,), dtype=np.float64, minimum=-bound, maximum=bound).tolist()
     return x, y, z
 
 
 def as_color(name: str, value: Any) -> tuple[float, float, float]:
-    """Return `value` as three finite floats >= 0: linear RGB."""
-    r, g, b = as_float(name, value, (3,), dtype=np.float64, minimum=0.0).tolist()
+    """Return `value` as three floats in 0 .. `LARGEST_COLOR`: linear RGB."""
+    r, g, b = as_image(name, value, (3,), dtype=np.float64, minimum=0.0, maximum=LARGEST_COLOR).tolist()
     return r, g, b
 
 
@@ -164,7 +223,7 @@ def as_pair(name: str, value: Any, *, minimum: int, maximum: int) -> tuple[int, 
     try:
         first, second = value
     except (TypeError, ValueError):
-        raise InputError(f"{name}: got {value!r}; allowed are two whole numbers") from None
+        raise InputError(f"{name}: got {_said(value)}; allowed are two whole numbers") from None
     return (
         as_integer(name, first, minimum=minimum, maximum=maximum),
         as_integer(name, second, minimum=minimum, maximum=maximum),
@@ -176,17 +235,38 @@ def as_choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     choices = list(allowed)
     if isinstance(value, str) and value in choices:
         return value
-    near = difflib.get_close_matches(str(value), choices, n=1, cutoff=0.6)
+    near = difflib.get_close_matches(_said(value).strip("'"), choices, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    raise InputError(f"{name}: got {value!r}; {hint}allowed are {', '.join(choices)}")
+    raise InputError(f"{name}: got {_said(value)}; {hint}allowed are {', '.join(choices)}")
 
 
 def shape_of(name: str, value: Any) -> tuple[int, ...]:
     """The shape of numbers in any nesting."""
+    return _as_array(name, value).shape
+
+
+def _as_array(name: str, value: Any) -> np.ndarray:
     try:
-        return np.shape(value)
+        return np.asarray(value)
     except ValueError:  # rows of different lengths
-        raise InputError(f"{name}: expected numbers, got {type(value).__name__} of unequal rows") from None
+        raise InputError(f"{name}: got {_said(value)}; allowed are numbers in rows of equal length") from None
+
+
+def _is_no_number(value: Any) -> bool:
+    """Whether float() would guess, or warn: truth values, complex numbers, arrays."""
+    return isinstance(value, bool | np.bool_) or np.iscomplexobj(value) or np.ndim(value) != 0
+
+
+def _said(value: Any) -> str:
+    """What an error says it got: numbers and short words as they are, all else by type; always one line."""
+    if value is None or isinstance(value, str | int | float | complex | np.generic):
+        words = repr(value.item() if isinstance(value, np.generic) else value)
+        return words if len(words) <= _MOST_WORDS else f"{words[:_MOST_WORDS]}..."
+    if isinstance(value, list | tuple) and len(value) <= 4 and all(isinstance(v, int | float) for v in value):
+        return str(value)
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype}, shape {value.shape}"
+    return f"a {getattr(type(value), '__name__', 'thing')}"
 
 
 def _check_shape(name: str, shape: tuple[int, ...], wanted: Sequence[int | None]) -> None:

@@ -11,12 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, as_integer, as_number
+from refdof._check import Float, InputError, as_float, as_image, as_integer, as_number
 from refdof._jit import kernel, prange
 from refdof.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
 
 __all__ = ["Aperture"]
 
+_FIELDS = ("boundary", "weights", "scale", "deviation")
+_LEAST_SCALE = 1e-6  # of an anamorphic squeeze: a slit, still wider than roundings
 _ARC_SEGMENTS = 64  # per curved blade: the inscribed chords lose 1.8e-4 of the area with three blades, less with more
 
 
@@ -41,6 +43,18 @@ class Aperture:
     weights: Float
     scale: tuple[float, float] = (1.0, 1.0)
     deviation: float = math.inf
+
+    def __post_init__(self) -> None:
+        boundary = as_float(
+            "boundary", self.boundary, (None, 2), dtype=np.float64, minimum=-1.0 - 1e-9, maximum=1.0 + 1e-9
+        )
+        weights = as_float("weights", self.weights, (None, None), dtype=np.float64, minimum=0.0, maximum=1.0)
+        if weights.size and not weights.any():
+            raise InputError("weights: got zeros only; allowed is an opening that lets light through")
+        scale = as_float("scale", self.scale, (2,), dtype=np.float64, minimum=_LEAST_SCALE, maximum=1.0)
+        deviation = as_number("deviation", self.deviation, above=0.0, finite=False)
+        for name, value in zip(_FIELDS, (boundary, weights, tuple(scale.tolist()), deviation), strict=True):
+            object.__setattr__(self, name, value)
 
     @classmethod
     def disc(cls, ratio: float = 1.0) -> "Aperture":
@@ -94,7 +108,7 @@ class Aperture:
 
         The image is constant inside each texel. Texels whose centre lies outside the lens disc are opaque.
         """
-        weights = as_float("weights", weights, (None, None), dtype=np.float64, minimum=0.0).copy()
+        weights = as_image("weights", weights, (None, None), dtype=np.float64, minimum=0.0).copy()
         height, width = weights.shape
         x = (np.arange(width) + 0.5) / max(width, 1) * 2.0 - 1.0
         y = 1.0 - (np.arange(height) + 0.5) / max(height, 1) * 2.0
@@ -140,9 +154,10 @@ class Aperture:
         if not self.is_image:
             return np.ones(len(points))
         height, width = self.weights.shape
-        x, y = (points / np.asarray(self.scale)).T
-        column = np.clip(((x + 1.0) / 2.0 * width).astype(np.int64), 0, width - 1)
-        row = np.clip(((1.0 - y) / 2.0 * height).astype(np.int64), 0, height - 1)
+        with np.errstate(over="ignore"):  # far outside
+            x, y = (points / np.asarray(self.scale)).T
+            column = np.clip((x + 1.0) / 2.0 * width, 0, width - 1).astype(np.int64)
+            row = np.clip((1.0 - y) / 2.0 * height, 0, height - 1).astype(np.int64)
         return np.where(np.maximum(abs(x), abs(y)) <= 1.0, self.weights[row, column], 0.0)
 
 
@@ -164,7 +179,7 @@ def _opening_points(square, boundary, row_sums, texel_sums, deviation):
 
 
 def _squeeze(ratio: float) -> tuple[float, float]:
-    ratio = as_number("ratio", ratio, above=0.0)
+    ratio = as_number("ratio", ratio, minimum=_LEAST_SCALE, maximum=1.0 / _LEAST_SCALE)
     return min(1.0, ratio), min(1.0, 1.0 / ratio)
 
 

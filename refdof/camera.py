@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_number, as_pair, as_vector
+from refdof._check import LARGEST_LENGTH, Float, InputError, as_float, as_number, as_pair, as_vector
 
 __all__ = ["Camera"]
 
 _MAX_SIDE_PX = 32768  # larger pictures are taken for a slip of the keyboard
+_MIN_FOV = 1e-6  # degrees: a row of the largest picture is then a micrometre 60 km away
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Camera:
     Raises
     ------
     InputError
-        If the view is degenerate, the angle is outside (0, 180) or the size is 0 or absurd.
+        If the view is degenerate, the angle is outside 1e-6 .. 179 or the size is 0 or absurd.
     """
 
     eye: tuple[float, float, float]
@@ -44,11 +45,11 @@ class Camera:
     def __post_init__(self) -> None:
         for name in ("eye", "target", "up"):
             object.__setattr__(self, name, as_vector(name, getattr(self, name)))
-        object.__setattr__(self, "fov_y", as_number("fov_y", self.fov_y, above=0.0, maximum=179.0))
+        object.__setattr__(self, "fov_y", as_number("fov_y", self.fov_y, minimum=_MIN_FOV, maximum=179.0))
         object.__setattr__(self, "size", as_pair("size", self.size, minimum=1, maximum=_MAX_SIDE_PX))
         forward = np.subtract(self.target, self.eye)
         reach = np.abs(forward).max()
-        if not 0 < reach < np.inf:
+        if not reach > 0:
             raise InputError(f"target: got {self.target}, the same point as eye; allowed is any other point")
         if not (np.cross(forward / reach, np.divide(self.up, max(np.abs(self.up).max(), 1e-300))) != 0).any():
             raise InputError(f"up: got {self.up}, parallel to the view; allowed is any other direction")
@@ -98,7 +99,9 @@ class Camera:
 
     def camera_from_world(self, points: Float) -> Float:
         """World points (N, 3) in camera space (N, 3); depth is -z."""
-        return (np.asarray(points, dtype=np.float64) - np.asarray(self.eye)) @ self.rotation.T
+        bound = LARGEST_LENGTH
+        points = as_float("points", points, (None, 3), dtype=np.float64, minimum=-bound, maximum=bound)
+        return (points - np.asarray(self.eye)) @ self.rotation.T
 
     def project(self, points: Float) -> Float:
         """World points (N, 3) as (N, 3): x [px], y [px] and depth. Points with depth <= 0 have no picture (NaN)."""

@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import InputError
+from refdof._check import InputError, as_choice, as_function, as_instance
 from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
 from refdof.forecast import Forecast, forecast_of_view
 from refdof.lens import ThinLens
+from refdof.methods import METHODS
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
 from refdof.reference import MAX_SAMPLES, reference_of_view
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.scene import Part, Scene
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["compare", "warm_up"]
 
@@ -60,11 +61,19 @@ def compare(
     InputError
         If a method, preset or parameter is not allowed, or the picture is too small for SSIM's window.
     """
-    view = View(scene, camera or scene.camera, lens or scene.lens)
+    view = view_of(scene, camera, lens)
+    as_function("progress", progress)
+    if isinstance(methods, str) or not isinstance(methods, Sequence):
+        raise InputError(f"methods: got {type(methods).__name__}; allowed is a list of names")
+    for name in methods:
+        as_choice("methods", name, METHODS)
+    given = {} if params is None else as_instance("params", params, Mapping)
+    for name, settings in given.items():
+        as_instance(f"params of {as_choice('params', name, methods)}", settings, Mapping)
     if min(view.camera.size) < WINDOW:
         width, height = view.camera.size
         raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
-    values = {name: dict((params or {}).get(name, {})) for name in methods}
+    values = {name: dict(given.get(name, {})) for name in methods}
     chosen = _distinct(values, (preset,) if isinstance(preset, str) else preset)
     tell = progress or (lambda _what, _done, _all: None)
 

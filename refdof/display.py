@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from refdof._check import Float, as_float
+from refdof._check import Float, as_image
 from refdof._jit import inline
 
 __all__ = ["display", "display_slope", "encode", "encode_one", "linear_from_display", "to_8_bit"]
@@ -36,9 +36,9 @@ def display(linear: Any) -> Float:
     Raises
     ------
     InputError
-        If the shape is wrong or a value is NaN.
+        If the shape is wrong, there is no pixel, a value is NaN, or pixels have 8 or 16 bits.
     """
-    return encode(as_float("image", linear, (None, None, 3), dtype=np.float64, finite=False)).astype(np.float32)
+    return encode(as_image("image", linear, dtype=np.float64, finite=False)).astype(np.float32)
 
 
 def encode(light: Float) -> Float:
@@ -61,13 +61,13 @@ def to_8_bit(linear: Any) -> npt.NDArray[np.uint8]:
 
 def linear_from_display(encoded: Any) -> Float:
     """Undo the encoding: display values (H, W, 3) in [0, 1] as linear RGB float32."""
-    value = as_float("encoded", encoded, (None, None, 3), dtype=np.float64, minimum=0.0)
+    value = as_image("encoded", encoded, dtype=np.float64, minimum=0.0, maximum=1.0)
     curve = np.power((value + _OFFSET) / _SCALE, _GAMMA)
     return np.where(value <= _SLOPE * _KNEE, value / _SLOPE, curve).astype(np.float32)
 
 
 def display_slope(linear: Any) -> Float:
     """Slope of the encoding at `linear` clipped to [0, 1]: (H, W, 3) float64, display per linear unit."""
-    light = np.clip(as_float("image", linear, (None, None, 3), dtype=np.float64, finite=False), 0.0, 1.0)
+    light = np.clip(as_image("image", linear, dtype=np.float64, finite=False), 0.0, 1.0)
     curve = _SCALE / _GAMMA * np.power(np.maximum(light, _KNEE), 1.0 / _GAMMA - 1.0)
     return np.where(light <= _KNEE, _SLOPE, curve)

@@ -15,10 +15,10 @@ from refdof._jit import run_tasks
 from refdof.camera import Camera
 from refdof.error_bar import excess
 from refdof.lens import ThinLens
-from refdof.reference import MAX_SAMPLES, REPLICATES, as_most, view_of
+from refdof.reference import MAX_SAMPLES, REPLICATES, as_most
 from refdof.scene import Scene
 from refdof.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["Forecast", "forecast", "forecast_of_view"]
 

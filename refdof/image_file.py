@@ -11,13 +11,15 @@ import imageio.v3 as imageio
 import numpy as np
 import OpenEXR
 
-from refdof._check import Float, InputError, as_float
+from refdof._check import Float, InputError, as_image, as_path
 from refdof.atomic import atomic_path
 from refdof.display import linear_from_display, to_8_bit
 
 __all__ = ["SUFFIXES", "load_image", "png_bytes", "save_image"]
 
 SUFFIXES = (".png", ".exr", ".npy")
+# What the decoders raise.
+_UNREADABLE = (OSError, ValueError, RuntimeError, EOFError, SyntaxError, TypeError, MemoryError)
 
 
 def save_image(path: str | os.PathLike[str], linear: Any) -> None:
@@ -39,13 +41,11 @@ def save_image(path: str | os.PathLike[str], linear: Any) -> None:
     Raises
     ------
     InputError
-        If the suffix is not one of the three, the image is empty or not finite, or the path cannot be
-        written.
+        If the suffix is not one of the three, the image is empty, not finite, beyond 1e33 or of 8 or 16 bits, or
+        the path cannot be written.
     """
     suffix = _known_suffix("out", path)
-    image = as_float("image", linear, (None, None, 3))
-    if image.size == 0:
-        raise InputError(f"image: got shape {image.shape}; allowed is at least one pixel")
+    image = as_image("image", linear)
     with atomic_path(path) as temporary:
         if suffix == ".png":
             temporary.write_bytes(png_bytes(image))
@@ -86,10 +86,10 @@ def load_image(path: str | os.PathLike[str]) -> Float:
             values = np.load(path, allow_pickle=False)
     except InputError:
         raise
-    except (OSError, ValueError, RuntimeError, EOFError, SyntaxError) as error:  # what the decoders raise
+    except _UNREADABLE as error:
         reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(f"path: cannot read {str(path)!r} ({reason}); allowed is an image file") from None
-    return as_float("path", values, (None, None, 3))
+    return as_image("path", values)
 
 
 def _rgb_of_exr(path: str | os.PathLike[str]) -> Float:
@@ -103,7 +103,7 @@ def _rgb_of_exr(path: str | os.PathLike[str]) -> Float:
 
 
 def _known_suffix(argument: str, path: str | os.PathLike[str]) -> str:
-    suffix = Path(path).suffix.lower()
+    suffix = as_path(argument, path).suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{argument}: got {str(path)!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     return suffix

@@ -7,12 +7,13 @@ References
 """
 
 import math
+import sys
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, as_number
+from refdof._check import Float, InputError, as_float, as_instance, as_number, shape_of
 from refdof.aperture import Aperture
 from refdof.camera import Camera
 
@@ -46,8 +47,7 @@ class ThinLens:
         object.__setattr__(self, "radius", as_number("radius", self.radius, minimum=0.0))
         focus = as_number("focus_distance", self.focus_distance, above=0.0, finite=False)
         object.__setattr__(self, "focus_distance", focus)
-        if not isinstance(self.aperture, Aperture):
-            raise InputError(f"aperture: got {type(self.aperture).__name__}; allowed is a refdof.Aperture")
+        as_instance("aperture", self.aperture, Aperture)
 
     @classmethod
     def from_f_number(
@@ -69,7 +69,10 @@ class ThinLens:
             raise InputError(
                 f"focus_distance: got {focus_distance:g}; allowed is a distance above the focal length {focal_length:g}"
             )
-        return cls(focal_length / (2.0 * f_number), focus_distance, aperture or Aperture.disc())
+        radius = focal_length / (2.0 * f_number)
+        if math.isinf(radius):
+            raise InputError(f"f_number: got {f_number:g}; allowed is one that gives the lens a finite radius")
+        return cls(radius, focus_distance, Aperture.disc() if aperture is None else aperture)
 
     def coc_px(self, depth: Any, camera: Camera) -> Float:
         """Signed circle of confusion: the **radius** of a point's image [px].
@@ -92,25 +95,27 @@ class ThinLens:
         InputError
             If a depth is NaN or not above 0.
         """
-        array = np.asarray(depth)
-        array = as_float("depth", array, array.shape, finite=False)
+        as_instance("camera", camera, Camera)
+        array = as_float("depth", depth, shape_of("depth", depth), finite=False)
         if array.size and not (array > 0).all():
             raise InputError(f"depth: smallest value is {array.min():g}; allowed are values > 0")
         if self.radius == 0.0:
             return np.zeros_like(array)
-        scale = camera.pixels_per_tangent * self.radius
+        pixels, focus = camera.pixels_per_tangent, self.focus_distance
+        scale = pixels * self.radius
         exact = array.astype(np.float64)
-        if math.isinf(self.focus_distance):
+        if math.isinf(focus):
             with np.errstate(over="ignore"):
-                return _rounded(-scale / exact, array.dtype)
+                coc = -pixels * (self.radius / exact) if math.isinf(scale) else -scale / exact
+                return _rounded(coc, array.dtype)
         # The difference 1/focus - 1/depth cancels near focus; (depth - focus) / depth does not, and
         # 1 - focus / depth is the same number for far depths, where the former would be inf / inf.
-        focus = self.focus_distance
         far = exact >= 2.0 * focus
         near = np.where(far, focus, exact)
         with np.errstate(over="ignore"):
             ratio = np.where(far, 1.0 - focus / exact, (near - focus) / near)
-            return _rounded(scale / focus * ratio, array.dtype)
+            slope = pixels * (self.radius / focus) if math.isinf(scale) else scale / focus
+            return _rounded(min(slope, sys.float_info.max) * ratio, array.dtype)  # inf times a ratio of 0 is no number
 
 
 def _rounded(coc: Float, dtype: np.dtype) -> Float:

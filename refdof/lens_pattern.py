@@ -21,10 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from refdof._check import Float, Index, as_choice, as_integer
+from refdof._check import Float, Index, as_choice, as_instance, as_integer
 from refdof.aperture import Aperture
 from refdof.lens_shape import mirrored
-from refdof.sampling import lens_samples
+from refdof.sampling import PATTERNS, lens_samples
 
 __all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
 
@@ -69,7 +69,9 @@ def lens_pattern(
         If an argument is out of range.
     """
     count = as_integer("count", count, minimum=1, maximum=_LARGEST_COUNT)
+    as_instance("aperture", aperture, Aperture)
     jitter = as_choice("jitter", jitter, JITTERS)
+    as_choice("pattern", pattern, PATTERNS)
     seed = as_integer("seed", seed, minimum=0)
     if jitter == "none":
         points, weights = lens_samples(count, pattern, seed, aperture)

@@ -1,12 +1,13 @@
 """Load a scene by name or from a file."""
 
 import difflib
+import os
 from pathlib import Path
 from typing import Any
 
-from refdof._check import InputError, as_color
+from refdof._check import InputError, as_choice, as_color, as_path
 from refdof.mesh_file import load_mesh
-from refdof.scene import Scene
+from refdof.scene import SHADINGS, Scene
 from refdof.scenes import SCENES, built_in
 
 __all__ = ["load_scene"]
@@ -36,13 +37,15 @@ def load_scene(
     InputError
         If there is neither such a scene nor such a file, or the file holds no usable triangles.
     """
+    path = as_path("scene", name)
+    if shading is not None:
+        as_choice("shading", shading, SHADINGS)
     if str(name) in SCENES:
         scene = built_in(str(name))
         if shading is not None:
             scene = scene.with_shading(shading)
         return scene if background is None else scene.with_background(as_color("background", background))
-    path = Path(name)
-    if not path.suffix and not path.exists():
+    if not path.suffix and not os.path.exists(path):
         near = difflib.get_close_matches(str(name), SCENES, n=1, cutoff=0.6)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise InputError(f"scene: got {str(name)!r}; {hint}allowed are {', '.join(SCENES)}, or a mesh file")

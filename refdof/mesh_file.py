@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index
+from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index, as_path
 from refdof.camera import Camera
 from refdof.gltf_camera import gltf_camera, without_cameras
 from refdof.lens import ThinLens
@@ -65,7 +65,7 @@ def load_mesh(
         If the file is missing, unreadable, broken, of an unknown kind or without triangles, or if a number
         in it is NaN, infinite or out of range.
     """
-    path = Path(path)
+    path = as_path("scene", path)
     shading = as_choice("shading", "lambert" if shading is None else shading, SHADINGS)
     background = as_color("background", background)
     try:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, as_float
+from refdof._check import Float, as_image
 from refdof._jit import inline, tile_kernel
 from refdof.display import display_slope, encode_one
 
@@ -50,8 +50,8 @@ def noise_floor_psnr(reference: Any, standard_error: Any) -> float:
     InputError
         If shapes differ, a value is not finite, or a standard error is negative.
     """
-    value = as_float("reference", reference, (None, None, 3), dtype=np.float64)
-    error = as_float("standard_error", standard_error, value.shape, dtype=np.float64, minimum=0.0)
+    value = as_image("reference", reference, dtype=np.float64)
+    error = as_image("standard_error", standard_error, value.shape, dtype=np.float64, minimum=0.0)
     seen = display_slope(value) * error
     mean_square = float(np.mean(seen * seen * _share_below_white(value, error)))
     return 10.0 * math.log10(1.0 / mean_square) if mean_square > 0.0 else math.inf

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, as_bool, as_choice, as_instance, as_integer, as_number
+from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
 from refdof.camera import Camera
 from refdof.error_bar import excess
@@ -32,7 +32,7 @@ from refdof.noise_floor import GROUPS, floor_of_moments
 from refdof.owen import MAX_LOG2
 from refdof.scene import Scene
 from refdof.tile_sampler import Spend, TileSampler
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = [
     "MAX_SAMPLES",
@@ -42,7 +42,6 @@ __all__ = [
     "as_most",
     "reference",
     "reference_of_view",
-    "view_of",
 ]
 
 PIXEL_FILTERS = ("centre", "box")
@@ -138,12 +137,6 @@ def reference(
     )
 
 
-def view_of(scene: Scene, camera: Camera | None, lens: ThinLens | None) -> View:
-    """The view of a scene; camera and lens default to its suggested shot."""
-    scene = as_instance("scene", scene, Scene)
-    return View(scene, scene.camera if camera is None else camera, scene.lens if lens is None else lens)
-
-
 def reference_of_view(
     view: View,
     samples: int = 1024,
@@ -156,6 +149,8 @@ def reference_of_view(
     max_samples: int = MAX_SAMPLES,
 ) -> Reference:
     """`reference` of a view whose products are shared."""
+    as_instance("view", view, View)
+    as_function("progress", progress)
     replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
     samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
     if tolerance is not None:

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, as_choice
+from refdof._check import Float, as_bool, as_choice, as_instance
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.methods import METHODS
 from refdof.scene import Scene
 from refdof.trace import Trace
-from refdof.view import View
+from refdof.view import View, view_of
 
 __all__ = ["PRESETS", "Result", "make_params", "render", "render_view"]
 
@@ -72,12 +72,14 @@ def render(
     InputError
         If the method, the preset, a parameter's name or its value is not allowed.
     """
-    return render_view(method, View(scene, camera or scene.camera, lens or scene.lens), stages, preset, **params)
+    return render_view(method, view_of(scene, camera, lens), stages, preset, **params)
 
 
 def render_view(method: str, view: View, stages: bool = False, preset: str = "best", **params: Any) -> Result:
     """`render` of a view whose products are shared."""
     chosen = make_params(method, params, preset)
+    as_instance("view", view, View)
+    as_bool("stages", stages)
     trace = Trace(stages)
     with view.booking() as book:
         start = time.perf_counter()
@@ -96,6 +98,7 @@ def make_params(method: str, values: Mapping[str, Any], preset: str = "best") ->
     """
     as_choice("method", method, METHODS)
     as_choice("preset", preset, PRESETS)
+    as_instance("values", values, dict)
     kind = METHODS[method].Params
     for name in values:
         as_choice(f"parameter of {method}", name, [field.name for field in fields(kind)])

@@ -25,7 +25,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.stats import qmc
 
-from refdof._check import Float, as_choice, as_integer
+from refdof._check import Float, as_choice, as_instance, as_integer
 from refdof.aperture import Aperture
 from refdof.poisson_disc import poisson_disc
 
@@ -65,7 +65,7 @@ def lens_samples(
     count = as_integer("count", count, minimum=1, maximum=_MAX_COUNT)
     as_choice("pattern", pattern, PATTERNS)
     rng = np.random.default_rng(as_integer("seed", seed, minimum=0))
-    aperture = aperture or Aperture.disc()
+    aperture = Aperture.disc() if aperture is None else as_instance("aperture", aperture, Aperture)
     if pattern == "poisson":
         points = poisson_disc(aperture, count, rng)
     else:

@@ -19,13 +19,19 @@ from typing import Any
 import numpy as np
 
 from refdof._check import (
+    LARGEST_COLOR,
+    LARGEST_LENGTH,
     Float,
     Index,
     InputError,
     as_choice,
     as_color,
     as_float,
+    as_image,
     as_index,
+    as_instance,
+    as_instances,
+    as_integer,
     as_number,
     as_vector,
 )
@@ -39,7 +45,7 @@ SHADINGS = ("unlit", "lambert", "phong")
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface answers light. Colours are linear Rec.709 RGB.
+    """How a surface answers light. Colours are linear Rec.709 RGB, at most 1e8.
 
     Parameters
     ----------
@@ -65,10 +71,7 @@ class Material:
             object.__setattr__(self, name, as_color(name, getattr(self, name)))
         object.__setattr__(self, "shininess", as_number("shininess", self.shininess, minimum=1.0, maximum=1e6))
         if self.texture is not None:
-            texture = as_float("texture", self.texture, (None, None, 3), dtype=np.float32, minimum=0.0)
-            if texture.size == 0:
-                raise InputError(f"texture: got shape {texture.shape}; allowed is at least one texel")
-            object.__setattr__(self, "texture", texture)
+            object.__setattr__(self, "texture", _colors("texture", self.texture, (None, None, 3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +96,18 @@ class Light:
 
     def __post_init__(self) -> None:
         direction = np.asarray(as_vector("sun_direction", self.sun_direction))
-        length = np.linalg.norm(direction)
-        if not length > 0:
+        if not direction.any():
             raise InputError("sun_direction: got (0, 0, 0); allowed is any other direction")
-        x, y, z = (direction / length).tolist()
+        # Scale by a power of two before the norm, so that squares neither leave the type nor vanish.
+        direction = np.ldexp(direction, -np.frexp(np.abs(direction).max())[1])
+        x, y, z = (direction / np.linalg.norm(direction)).tolist()
         object.__setattr__(self, "sun_direction", (x, y, z))
         for name in ("sun", "sky", "ground"):
             object.__setattr__(self, name, as_color(name, getattr(self, name)))
         if self.environment is not None:
-            environment = as_float("environment", self.environment, (None, None, 3), dtype=np.float32, minimum=0.0)
+            environment = _colors("environment", self.environment, (None, None, 3))
+            if environment.shape[0] != environment.shape[1]:
+                raise InputError(f"environment: got shape {environment.shape}; allowed is (n, n, 3), an octahedral map")
             object.__setattr__(self, "environment", environment)
 
 
@@ -112,7 +118,7 @@ class Part:
     Parameters
     ----------
     vertices : (V, 3)
-        World space.
+        World space; no coordinate is larger than 1e100.
     faces : (F, 3) int
     material : Material
     uv : (V, 2), or None
@@ -121,6 +127,11 @@ class Part:
         Linear RGB that multiplies the material's.
     normal : (V, 3), or None
         Unit shading normals; None: every face is flat.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or too large, an index is out of range, or a shape is wrong.
     """
 
     vertices: Float
@@ -129,6 +140,19 @@ class Part:
     uv: Float | None = None
     color: Float | None = None
     normal: Float | None = None
+
+    def __post_init__(self) -> None:
+        vertices = _places("vertices", self.vertices)
+        count = len(vertices)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", as_index("faces", self.faces, (None, 3), end=count))
+        as_instance("material", self.material, Material)
+        if self.uv is not None:
+            object.__setattr__(self, "uv", as_float("uv", self.uv, (count, 2), dtype=np.float32))
+        if self.color is not None:
+            object.__setattr__(self, "color", _colors("color", self.color, (count, 3)))
+        if self.normal is not None:
+            object.__setattr__(self, "normal", as_float("normal", self.normal, (count, 3), dtype=np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +168,11 @@ class Scene:
     background : (3,) floats, linear RGB of rays that meet nothing
     camera, lens : the suggested shot
     dropped_faces : how many degenerate triangles were left out
+
+    Raises
+    ------
+    InputError
+        If an array is not as stated, not finite or too large, or an index is out of range.
     """
 
     name: str
@@ -160,6 +189,27 @@ class Scene:
     lens: ThinLens
     dropped_faces: int = 0
 
+    def __post_init__(self) -> None:
+        as_instance("name", self.name, str)
+        vertices = _places("vertices", self.vertices)
+        count = len(vertices)
+        faces = as_index("faces", self.faces, (None, 3), end=count)
+        materials = as_instances("materials", self.materials, Material)
+        for name, value in (
+            ("vertices", vertices),
+            ("faces", faces),
+            ("uv", as_float("uv", self.uv, (count, 2), dtype=np.float32)),
+            ("color", _colors("color", self.color, (count, 3))),
+            ("normal", as_float("normal", self.normal, (count, 3), dtype=np.float32)),
+            ("face_material", as_index("face_material", self.face_material, (len(faces),), end=len(materials))),
+            ("materials", materials),
+            ("background", as_color("background", self.background)),
+            ("dropped_faces", as_integer("dropped_faces", self.dropped_faces, minimum=0)),
+        ):
+            object.__setattr__(self, name, value)
+        for name, kind in (("light", Light), ("camera", Camera), ("lens", ThinLens)):
+            as_instance(name, getattr(self, name), kind)
+
     @classmethod
     def from_parts(
         cls,
@@ -175,12 +225,12 @@ class Scene:
         Raises
         ------
         InputError
-            If a vertex is not finite, an index is out of range, or a shape is wrong.
+            If an argument is not of the kind that its name says.
         """
+        parts = as_instances("parts", parts, Part)
         meshes, dropped, first = [], 0, 0
         for part in parts:
-            vertices = as_float("vertices", part.vertices, (None, 3), dtype=np.float64)
-            faces = as_index("faces", part.faces, (None, 3), end=len(vertices))
+            vertices, faces = part.vertices, part.faces
             solid = _has_area(vertices, faces)
             dropped += int((~solid).sum())
             faces = faces[solid]
@@ -188,9 +238,9 @@ class Scene:
             if normal is None:
                 vertices, faces, uv, color, normal = _flat(vertices, faces, uv, color)
             count = len(vertices)
-            uv = np.zeros((count, 2)) if uv is None else as_float("uv", uv, (count, 2))
-            color = np.ones((count, 3)) if color is None else as_float("color", color, (count, 3), minimum=0.0)
-            meshes.append((vertices, faces + first, uv, color, as_float("normal", normal, (count, 3))))
+            uv = np.zeros((count, 2)) if uv is None else uv
+            color = np.ones((count, 3)) if color is None else color
+            meshes.append((vertices, faces + first, uv, color, normal))
             first += count
         materials = list(dict.fromkeys(part.material for part in parts))
         face_material = [np.full(len(m[1]), materials.index(p.material)) for m, p in zip(meshes, parts, strict=True)]
@@ -208,8 +258,8 @@ class Scene:
             join(4, 3, np.float32),
             np.concatenate([np.zeros(0, dtype=np.int64), *face_material]).astype(np.int64),
             tuple(materials),
-            as_color("background", background),
-            light or Light(),
+            background,
+            Light() if light is None else light,
             camera,
             lens,
             dropped,
@@ -222,11 +272,17 @@ class Scene:
 
     def with_background(self, background: tuple[float, float, float]) -> "Scene":
         """The same scene before another background, linear RGB."""
-        return replace(self, background=as_color("background", background))
+        return replace(self, background=background)
 
     def scaled(self, factor: float) -> "Scene":
-        """The same scene, camera and lens in a unit of length `factor` times smaller."""
-        factor = as_number("factor", factor, above=0.0)
+        """The same scene, camera and lens in a unit of length `factor` times smaller, 1e-100 .. 1e100."""
+        factor = as_number("factor", factor, minimum=1.0 / LARGEST_LENGTH, maximum=LARGEST_LENGTH)
+        reach = np.abs(np.concatenate([self.vertices, [self.camera.eye, self.camera.target]])).max()
+        if not reach * factor <= LARGEST_LENGTH:
+            raise InputError(
+                f"factor: got {factor:g} for coordinates of up to {reach:g}; "
+                f"allowed is what keeps them <= {LARGEST_LENGTH:g}"
+            )
 
         def times(v: tuple[float, float, float]) -> tuple[float, float, float]:
             return v[0] * factor, v[1] * factor, v[2] * factor
@@ -235,6 +291,16 @@ class Scene:
         focus = self.lens.focus_distance * factor
         lens = replace(self.lens, radius=self.lens.radius * factor, focus_distance=focus)
         return replace(self, vertices=self.vertices * factor, camera=camera, lens=lens)
+
+
+def _places(name: str, value: Any) -> Float:
+    """Coordinates (V, 3) float64 whose products stay in that type."""
+    return as_float(name, value, (None, 3), dtype=np.float64, minimum=-LARGEST_LENGTH, maximum=LARGEST_LENGTH)
+
+
+def _colors(name: str, value: Any, shape: tuple[int | None, ...]) -> Float:
+    """Linear RGB, float32, whose products stay in that type."""
+    return as_image(name, value, shape, dtype=np.float32, minimum=0.0, maximum=LARGEST_COLOR)
 
 
 def _has_area(vertices: Float, faces: Index) -> np.ndarray:
@@ -253,7 +319,7 @@ def _flat(vertices: Float, faces: Index, uv: Float | None, color: Float | None) 
     return (
         vertices[corner],
         np.arange(len(corner)).reshape(-1, 3),
-        None if uv is None else np.asarray(uv)[corner],
-        None if color is None else np.asarray(color)[corner],
+        None if uv is None else uv[corner],
+        None if color is None else color[corner],
         np.repeat(normal, 3, axis=0),
     )

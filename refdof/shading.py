@@ -8,6 +8,8 @@ References
 
 import math
 
+import numpy as np
+
 from refdof._jit import inline
 from refdof.scene import SHADINGS
 
@@ -80,6 +82,9 @@ def lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shinines
     if sr > 0.0 or sg > 0.0 or sb > 0.0:
         twice = -2.0 * (nx * dx + ny * dy + nz * dz)
         rx, ry, rz = dx + twice * nx, dy + twice * ny, dz + twice * nz
+        largest = max(abs(rx), abs(ry), abs(rz))
+        if largest > 1e100:  # before squaring: rays of a huge lens are that steep
+            rx, ry, rz = rx / largest, ry / largest, rz / largest
         length = 1.0 / math.sqrt(rx * rx + ry * ry + rz * rz)
         rx, ry, rz = rx * length, ry * length, rz * length
         lobe = max(0.0, rx * light[0, 0] + ry * light[0, 1] + rz * light[0, 2]) ** shininess
@@ -109,8 +114,8 @@ def _environment(surfaces, x, y, z):
     p, q = wx / total, wz / total
     if wy < 0.0:  # the lower half folds over the edges
         p, q = (1.0 - abs(q)) * (1.0 if p >= 0.0 else -1.0), (1.0 - abs(p)) * (1.0 if q >= 0.0 else -1.0)
-    fx = min(max((p * 0.5 + 0.5) * size - 0.5, 0.0), size - 1.0)
-    fy = min(max((q * 0.5 + 0.5) * size - 0.5, 0.0), size - 1.0)
+    fx = _inside((p * 0.5 + 0.5) * size - 0.5, size - 1.0)
+    fy = _inside((q * 0.5 + 0.5) * size - 0.5, size - 1.0)
     i, j = int(fx), int(fy)
     k, n = min(i + 1, size - 1), min(j + 1, size - 1)
     a, b = fx - i, fy - j
@@ -125,11 +130,24 @@ def _environment(surfaces, x, y, z):
 
 
 @inline
+def _inside(place, last):
+    """A place cut to 0 .. last, so that it is an index whatever the numbers were; 0 if it is none."""
+    return min(place, last) if place > 0.0 else 0.0
+
+
+@inline
+def _repeated(place):
+    """The part behind the point, 0 .. 1: of floats, since whole numbers of 64 bits do not hold every coordinate."""
+    part = place - np.floor(place)
+    return part if part > 0.0 else 0.0
+
+
+@inline
 def _texel(texels, texture, s, t):
     """Bilinear, repeated lookup; (0, 0) is the lower left corner, row 0 the top row."""
     first, width, height = texture[0], texture[1], texture[2]
-    fx = (s - math.floor(s)) * width - 0.5
-    fy = (1.0 - (t - math.floor(t))) * height - 0.5
+    fx = _repeated(s) * width - 0.5
+    fy = (1.0 - _repeated(t)) * height - 0.5
     i, j = math.floor(fx), math.floor(fy)  # -1 .. size - 1
     a, b = fx - i, fy - j
     x0, y0 = (i if i >= 0 else width - 1), (j if j >= 0 else height - 1)

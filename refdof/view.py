@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError
+from refdof._check import Float, Index, as_instance, as_integer
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.raster.peel import Layers, count_surfaces, peel
@@ -22,7 +22,7 @@ from refdof.scene import Scene
 from refdof.shot import Shot, shot_of
 from refdof.surfaces import Surfaces, surfaces_of
 
-__all__ = ["Booking", "Pinhole", "Triangles", "View"]
+__all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
 
 class Pinhole(NamedTuple):
@@ -63,8 +63,7 @@ class View:
             ("camera", camera, Camera),
             ("lens", lens, ThinLens),
         ):
-            if not isinstance(value, kind):
-                raise InputError(f"{name}: got {type(value).__name__}; allowed is a refdof.{kind.__name__}")
+            as_instance(name, value, kind)
         self.scene, self.camera, self.lens = scene, camera, lens
         self._products: dict[str, tuple[Any, dict[str, float]]] = {}
         self._bookings: list[Booking] = []
@@ -111,6 +110,7 @@ class View:
 
     def layers(self, count: int | None = None) -> Layers:
         """The nearest `count` surfaces through the pixel centres; None: all of them."""
+        count = _as_count(count)
 
         def build() -> Layers:
             return peel(self.surfaces(), self.tracer(), self.shot(), count)
@@ -119,6 +119,7 @@ class View:
 
     def umbra_layers(self, count: int | None = None, extent_px: int = 2) -> Layers:
         """The nearest `count` surfaces that the lens can see past the ones before, `refdof.raster.umbra`; None: all."""
+        count, extent_px = _as_count(count), as_integer("extent_px", extent_px, minimum=1, maximum=2)
 
         def build() -> Layers:
             return peel(self.surfaces(), self.tracer(), self.shot(), count, self._umbra_step(extent_px))
@@ -132,6 +133,7 @@ class View:
         -------
         (H, W) int32
         """
+        extent_px = as_integer("extent_px", extent_px, minimum=0, maximum=2)
 
         def build() -> Index:
             return count_surfaces(self.surfaces(), self.tracer(), self.shot(), self._umbra_step(extent_px))
@@ -171,3 +173,13 @@ class View:
         for book in self._bookings:
             book.used.update(used)
         return value
+
+
+def view_of(scene: Scene, camera: Camera | None = None, lens: ThinLens | None = None) -> View:
+    """A view of `scene`; camera and lens default to the scene's suggested shot."""
+    as_instance("scene", scene, Scene)
+    return View(scene, scene.camera if camera is None else camera, scene.lens if lens is None else lens)
+
+
+def _as_count(count: int | None) -> int | None:
+    return None if count is None else as_integer("count", count, minimum=1)

@@ -14,6 +14,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 FAST = {
     "test_aperture.py",
     "test_attributes.py",
+    "test_bad_calls.py",
     "test_baselines.py",
     "test_camera.py",
     "test_cascaded.py",
@@ -23,6 +24,7 @@ FAST = {
     "test_fetches.py",
     "test_gaussian.py",
     "test_gpu_model.py",
+    "test_hostile.py",
     "test_jit.py",
     "test_lens.py",
     "test_lens_pattern.py",

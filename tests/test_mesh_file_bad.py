@@ -1,5 +1,6 @@
 """Bad mesh files: whatever is wrong, one line says so, and nothing is printed."""
 
+import numpy as np
 import pytest
 import trimesh
 from files_by_hand import PLY, write
@@ -54,3 +55,29 @@ def test_missing_files_and_folders_are_refused(tmp_path):
         load_mesh(tmp_path / "nowhere.obj")
     with pytest.raises(InputError, match=r"^scene: got .*: it is not a file; allowed"):
         load_mesh(tmp_path)
+
+
+def huge_files(folder, size):
+    """A box under a huge transform, and a triangle with huge corners and texture coordinates."""
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box(), transform=np.diag([size, size, size, 1.0]))
+    corners = f"v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nvt 1e25 -1e25\nvt 1 0\nvt 0 1\n"
+    files = {"moved.glb": scene.export(file_type="glb"), "large.obj": f"{corners}f 1/1 2/2 3/3\n"}
+    return [write(folder, name, data) for name, data in files.items()]
+
+
+@pytest.mark.parametrize("size", [1e39, 1e99])
+def test_huge_numbers_are_read_without_a_warning(tmp_path, size):
+    for path in huge_files(tmp_path, size):
+        scene = load_mesh(path)
+        assert np.abs(scene.vertices).max() >= size / 2
+        assert np.isfinite(
+            [*scene.camera.eye, *scene.camera.target, scene.lens.radius, scene.lens.focus_distance]
+        ).all()
+
+
+@pytest.mark.parametrize("size", [1e150, 1e300])
+def test_numbers_that_are_too_large_are_refused_without_a_warning(tmp_path, size):
+    for path in huge_files(tmp_path, size):
+        with pytest.raises(InputError, match=r"^scene: got .* vertices: .* allowed is a mesh file"):
+            load_mesh(path)

@@ -56,7 +56,7 @@ from functools import partial
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_instance, as_integer, as_number
+from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
 from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
@@ -95,7 +95,6 @@ PAPER: dict[str, object] = {
 
 _FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
 _RANGE_BLOCK_PX = 16
-PAPER: dict[str, object] = {}
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ class Params:
     normalize : bool
         Divide by alpha.
     sigma_step : float
-        Standard deviation of the first blur [px], >= 0.5; 1 in Eq. (14). Smaller means more layers.
+        Standard deviation of the first blur [px], 0.5 .. 65536; 1 in Eq. (14). Smaller means more layers.
     """
 
     buffers: int | str = 4
@@ -146,7 +145,7 @@ class Params:
         as_choice("border", self.border, ("clamp", "transparent"))
         for name in ("cascade", "normalize"):
             as_bool(name, getattr(self, name))
-        object.__setattr__(self, "sigma_step", as_number("sigma_step", self.sigma_step, minimum=0.5))
+        object.__setattr__(self, "sigma_step", as_number("sigma_step", self.sigma_step, minimum=0.5, maximum=65536.0))
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -191,9 +190,8 @@ def blur_buffers(
     """
     for name, value, kind in (("camera", camera, Camera), ("lens", lens, ThinLens), ("params", params, Params)):
         as_instance(name, value, kind)
-    color = as_float("color", color, (None, camera.height, camera.width, 3))
-    if len(color) == 0:
-        raise InputError("color: got no buffers; allowed is at least one")
+    trace = Trace() if trace is None else as_instance("trace", trace, Trace)
+    color = as_image("color", color, (None, camera.height, camera.width, 3))
     depth = as_float("depth", depth, color.shape[:3], dtype=np.float64, finite=False, nan=True)
     absent = np.isnan(depth)
     filled = np.where(absent, np.inf, depth)
@@ -201,7 +199,7 @@ def blur_buffers(
         raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
     if absent.all():
         raise InputError("depth: no surface anywhere; allowed is at least one that is not NaN")
-    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace or Trace())
+    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace)
 
 
 def layering_of(depth: Float, camera: Camera, lens: ThinLens, params: Params = Params()) -> Layering:

@@ -179,7 +179,7 @@ class Params:
 
         settle("samples", as_integer("samples", self.samples, minimum=1, maximum=4096))
         if self.spacing_px is not None:
-            settle("spacing_px", as_number("spacing_px", self.spacing_px, above=0.0))
+            settle("spacing_px", as_number("spacing_px", self.spacing_px, above=0.0, maximum=1e30))
         if self.layers is not None:
             settle("layers", as_integer("layers", self.layers, minimum=1, maximum=4096))
         settle("overlap", as_number("overlap", self.overlap, minimum=0.0, maximum=0.5))

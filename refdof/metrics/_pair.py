@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float
+from refdof._check import Float, as_image
 from refdof.display import display
 
 __all__ = ["display_pair", "linear", "linear_pair"]
@@ -29,12 +29,7 @@ def linear(name: str, value: Any, shape: Sequence[int | None] = (None, None, 3))
     Raises
     ------
     InputError
-        If the shape is wrong, there is no pixel, a value is not finite, or an array holds integers (8-bit
-        pixels are display values, not linear ones).
+        If the shape is wrong, there is no pixel, a value is not finite or beyond 1e33, or pixels have 8 or 16
+        bits (those are display values, not linear ones).
     """
-    if isinstance(value, np.ndarray) and value.dtype.kind != "f":
-        raise InputError(f"{name}: got {value.dtype} values; allowed are floats that hold linear RGB")
-    array = as_float(name, value, shape, dtype=np.float64)
-    if array.size == 0:
-        raise InputError(f"{name}: got shape {array.shape}; allowed is at least one pixel")
-    return array
+    return as_image(name, value, shape, dtype=np.float64)

@@ -33,7 +33,7 @@ def rmse(reference: Any, image: Any, second_reference: Any = None) -> float:
     Raises
     ------
     InputError
-        If shapes differ, a value is not finite, or values are integers. So do all metrics.
+        If shapes differ, a value is not finite or beyond 1e33, or pixels have 8 or 16 bits. So do all metrics.
     """
     first, second = _differences(reference, image, second_reference)
     return math.sqrt(max(0.0, float(np.mean(first * second))))

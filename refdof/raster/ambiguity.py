@@ -7,7 +7,7 @@ Elsewhere rasterised layers and exact layers are the same, triangle by triangle.
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_float, as_index, as_number
+from refdof._check import Float, Index, as_float, as_index, as_instance, as_number
 from refdof._jit import inline, tile_kernel
 from refdof.camera import Camera
 from refdof.raster.gpu_model import EXACT, GpuModel
@@ -16,6 +16,7 @@ from refdof.raster.triangles import FINEST_BITS, NEAR
 __all__ = ["ambiguous_pixels", "near_edges", "tied_depths"]
 
 _RAY_ERROR = 2.0**-21  # of the picture's extent: eight float32 roundings of a ray's tangents
+_MOST_REACH = 65536.0  # px: beyond every picture
 _SAME_DEPTH = 1e-9  # relative: float64 roundings, magnified by planes seen at flat angles
 
 
@@ -44,9 +45,8 @@ def ambiguous_pixels(
     InputError
         If a shape, index or number is not as stated.
     """
-    if not isinstance(camera, Camera) or not isinstance(model, GpuModel):
-        kinds = f"{type(camera).__name__} and {type(model).__name__}"
-        raise InputError(f"camera, model: got {kinds}; allowed are a refdof.Camera and a GpuModel")
+    as_instance("camera", camera, Camera)
+    as_instance("model", model, GpuModel)
     depth = as_float("depth", depth, (None, camera.height, camera.width), dtype=np.float64, finite=False)
     grid = 2.0 ** -(model.subpixel_bits or FINEST_BITS)  # half a step in x and y, and float32 besides
     extent = max(camera.width, camera.height, camera.pixels_per_tangent)
@@ -60,7 +60,8 @@ def near_edges(vertices: Float, faces: Index, camera: Camera, reach_px: float) -
     """
     vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", faces, (None, 3), end=len(vertices))
-    reach_px = as_number("reach_px", reach_px, minimum=0.0)
+    as_instance("camera", camera, Camera)
+    reach_px = as_number("reach_px", reach_px, minimum=0.0, maximum=_MOST_REACH)
     mask = np.zeros((camera.height, camera.width), dtype=np.bool_)
     near = NEAR * float(np.abs(vertices).max(initial=0.0))
     _mark(vertices, faces, camera.pixels_per_tangent, near, reach_px, mask)

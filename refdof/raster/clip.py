@@ -176,12 +176,20 @@ def _snap_corner(corner, scale, width, height, bits, exact):
 @inline
 def _snap(x, y, depth, scale, width, height, bits, exact):
     """A point's place on the grid: (x, y) int64, row 0 on top; ties go to even."""
-    x, y, unit = 0.5 * width + x * scale / depth, 0.5 * height - y * scale / depth, 2.0**bits
+    # Clipping leaves corners inside the guard band but for roundings, which a plane very near magnifies.
+    x, y = _in_guard(x * scale / depth), _in_guard(y * scale / depth)
+    x, y, unit = 0.5 * width + x, 0.5 * height - y, 2.0**bits
     if exact:
         return np.int64(np.rint((x - 0.5) * unit)), np.int64(np.rint((y - 0.5) * unit))
     half = np.float32(0.5)
     column, row = (np.float32(x) - half) * np.float32(unit), (np.float32(y) - half) * np.float32(unit)
     return np.int64(np.rint(column)), np.int64(np.rint(row))
+
+
+@inline
+def _in_guard(place):
+    """A distance from the picture's centre [px], cut so that whole numbers of 32 bits hold it."""
+    return min(max(place, -2.0 * _GUARD_PX), 2.0 * _GUARD_PX)
 
 
 @inline

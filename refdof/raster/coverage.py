@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, shape_of
+from refdof._check import Float, InputError, as_float, as_instance, shape_of
 from refdof.raster.gpu_model import EXACT, GpuModel
 from refdof.raster.mipmap import generate_mipmaps
 
@@ -41,6 +41,7 @@ def coverage_mipmaps(color: Any, covered: Any, model: GpuModel = EXACT) -> list[
     InputError
         If a shape or type is not as stated.
     """
+    as_instance("model", model, GpuModel)
     shape_of("covered", covered)
     covered = np.asarray(covered)
     if covered.dtype != np.bool_ or covered.ndim != 2:
@@ -60,6 +61,8 @@ def coverage_mipmaps(color: Any, covered: Any, model: GpuModel = EXACT) -> list[
 def average_color(texels: Any) -> Float:
     """Mean colour of what is covered: (..., C + 1) premultiplied, read from any level -> (..., C); 0 where nothing is.
 
+    Infinite where the quotient leaves the type.
+
     Raises
     ------
     InputError
@@ -70,4 +73,5 @@ def average_color(texels: Any) -> Float:
         raise InputError(f"texels: got shape {texels.shape}; allowed is (..., C + 1) with C >= 1")
     alpha = texels[..., -1:]
     out = np.zeros_like(texels[..., :-1])
-    return np.divide(texels[..., :-1], alpha, out=out, where=alpha > 0)
+    with np.errstate(over="ignore"):
+        return np.divide(texels[..., :-1], alpha, out=out, where=alpha > 0)

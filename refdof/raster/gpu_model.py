@@ -9,12 +9,12 @@ References
 .. [2] Mesa 22.3.6 with LLVM 15.0.6 on a processor with fused multiply-add: measured.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice
+from refdof._check import Float, InputError, as_bool, as_choice, as_instance, as_integer
 
 __all__ = ["D3D11", "EXACT", "FORMATS", "LLVMPIPE", "GpuModel", "store"]
 
@@ -70,8 +70,13 @@ class GpuModel:
 
     def __post_init__(self) -> None:
         for name, allowed in (("subpixel_bits", (0, 4, 8)), ("filter_bits", (0, 8))):
-            if not isinstance(getattr(self, name), int) or getattr(self, name) not in allowed:
-                raise InputError(f"{name}: got {getattr(self, name)!r}; allowed are {', '.join(map(str, allowed))}")
+            bits = as_integer(name, getattr(self, name), minimum=0, maximum=8)
+            if bits not in allowed:
+                raise InputError(f"{name}: got {bits}; allowed are {', '.join(map(str, allowed))}")
+            object.__setattr__(self, name, bits)
+        for field in fields(self):
+            if field.type is bool:
+                as_bool(field.name, getattr(self, field.name))
         as_choice("float_rounding", self.float_rounding, ("nearest", "zero"))
         as_choice("unorm_rounding", self.unorm_rounding, ("exact", "even", "up"))
         as_choice("unorm_scale", self.unorm_scale, ("quotient", "product"))
@@ -126,6 +131,7 @@ def store(values: Float, texture_format: str, model: GpuModel = EXACT) -> Float:
     infinities and NaN stay, and so do denormals.
     """
     as_choice("texture_format", texture_format, FORMATS)
+    as_instance("model", model, GpuModel)
     if getattr(values, "dtype", None) != np.float32:
         raise InputError(f"values: got {getattr(values, 'dtype', type(values).__name__)}; allowed is float32")
     if texture_format == "f32":

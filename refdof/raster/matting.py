@@ -26,7 +26,7 @@ References
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float
+from refdof._check import Float, InputError, as_choice, as_float, shape_of
 from refdof._jit import borrow, inline, kernel, prange
 
 __all__ = ["ABSENT", "BOUNDARIES", "RAMPS", "layer_coordinate", "matte", "ramp_code"]
@@ -67,7 +67,11 @@ def layer_coordinate(depth: Float, bounds: Float, boundary: str = "extrapolate",
     if len(bounds) < 2 or not np.isfinite(bounds[:-1]).all() or not (bounds[1:] >= bounds[:-1]).all():
         raise InputError(f"bounds: got {bounds.tolist()}; allowed are two or more ascending depths, the last maybe inf")
     as_choice("boundary", boundary, BOUNDARIES)
-    depth = np.asarray(depth, dtype=np.float64)
+    depth = as_float("depth", depth, shape_of("depth", depth), dtype=np.float64, finite=False, nan=True)
+    if dtype not in (np.float32, np.float64):
+        raise InputError("dtype: allowed are float32 and float64")
+    if depth.size == 0:
+        return np.empty(depth.shape, dtype=dtype)
     if (depth <= 0.0).any():
         raise InputError(f"depth: smallest value is {np.nanmin(depth):g}; allowed are values > 0")
     rows = np.ascontiguousarray(depth).reshape(-1, depth.shape[-1] if depth.ndim else 1)
@@ -87,7 +91,7 @@ def _coordinates(depth, bounds, hard, out):
             if np.isnan(z):
                 row[x] = ABSENT
                 continue
-            k = np.searchsorted(anchors[1:-1], z)  # z_(k-1) < z <= z_k
+            k = np.searchsorted(anchors[1 : len(anchors) - 1], z)  # z_(k-1) < z <= z_k
             low, high = anchors[k], anchors[k + 1]
             if hard and k == last:
                 t = 1.0 if last > 0 else 0.0

@@ -63,7 +63,8 @@ def generate_mipmaps(image: Any, model: GpuModel = EXACT) -> list[Any]:
 def box_mipmaps(image: Any) -> list[Float]:
     """Means of 2 x 2 texels.
 
-    The last row or column of an odd size has no part; one of size 1 counts twice.
+    The last row or column of an odd size has no part; one of size 1 counts twice. Sums of four texels must
+    fit the type: beyond a quarter of its largest number, 8e37 in float32, they become infinite.
 
     Parameters
     ----------
@@ -170,7 +171,8 @@ def _halved(halve: Any, fine: Float, *arguments: Any) -> Float:
     """One coarser level by a kernel of `refdof.raster.halving`."""
     height, _, channels = fine.shape
     out = np.empty((*_half(fine), channels), dtype=fine.dtype)
-    halve(fine.reshape(height, -1), channels, *arguments, out.reshape(len(out), -1))
+    with np.errstate(over="ignore", invalid="ignore"):  # infinite texels, or sums beyond the type
+        halve(fine.reshape(height, -1), channels, *arguments, out.reshape(len(out), -1))
     return out
 
 

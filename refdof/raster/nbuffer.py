@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_integer, shape_of
+from refdof._check import Float, Index, InputError, as_bool, as_choice, as_float, as_index, as_integer, shape_of
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.raster.squares import bottom_highest, bottom_lowest, double_highest, double_lowest, extremes_of_four
 
@@ -151,7 +151,7 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
     nbuffer = nbuffer._replace(
         lowest=np.ascontiguousarray(nbuffer.lowest), highest=np.ascontiguousarray(nbuffer.highest)
     )
-    if exact and nbuffer.block > 1:
+    if as_bool("exact", exact) and nbuffer.block > 1:
         raise InputError(f"exact: got True for blocks of {nbuffer.block} px; allowed is a buffer with block 1")
     rectangles = x0, y0, x1, y1
     ready = all(isinstance(side, np.ndarray) and side.dtype == np.int64 and side.ndim == 1 for side in rectangles)
@@ -288,7 +288,8 @@ def _four_squares(left, top, right, bottom, height, width, count, plane, exact, 
     wrong, uncovered = 0, 0
     for k in range(len(left)):
         # Cut off: far outside, differences could leave the type.
-        x, y, last_x, last_y = max(left[k], -1), max(top[k], -1), min(right[k], width), min(bottom[k], height)
+        x, y = min(max(left[k], -1), width), min(max(top[k], -1), height)
+        last_x, last_y = max(min(right[k], width), -1), max(min(bottom[k], height), -1)
         wrong |= (x < 0) | (y < 0) | (last_x < x) | (last_y < y) | (last_x >= width) | (last_y >= height)
         w, h = max(last_x - x + 1, 1), max(last_y - y + 1, 1)
         level = _level_of(w, h, count, exact)

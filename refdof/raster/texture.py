@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_float, shape_of
+from refdof._check import Float, Index, InputError, as_float, as_instance, shape_of
 from refdof._jit import kernel, prange
 from refdof.raster.filters import rules_of
 from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
@@ -100,6 +100,8 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     At a whole level the next one is not read. (llvmpipe does read it if a pixel beside needs it: with infinite texels
     the result at whole levels then depends on the neighbours.)
     """
+    if not isinstance(levels, list | tuple):
+        raise InputError(f"levels: got {type(levels).__name__}; allowed is a list of images")
     images = [as_texture(f"levels[{k}]", level, model) for k, level in enumerate(levels)]
     if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
         raise InputError("levels: allowed is at least one image, all of one type and number of channels")
@@ -132,6 +134,7 @@ def level_of_detail(squared: Any, model: GpuModel = EXACT, bias: Any = 0.0) -> F
     bias : (...), or a number
         Levels to add. (Cards cut it, at 14 to 16 levels either way.)
     """
+    as_instance("model", model, GpuModel)
     bias = as_float("bias", bias, shape_of("bias", bias))
     squared = as_float("squared", squared, shape_of("squared", squared))
     if not (squared > 0).all():
@@ -145,6 +148,7 @@ def level_of_detail(squared: Any, model: GpuModel = EXACT, bias: Any = 0.0) -> F
 
 def as_texture(name: str, image: Any, model: GpuModel) -> Any:
     """Return `image` as a C-contiguous (H, W, C) array that `model` can read."""
+    as_instance("model", model, GpuModel)
     if not isinstance(image, np.ndarray) or image.dtype not in (np.uint8, np.float32, np.float64):
         kind = getattr(image, "dtype", type(image).__name__)
         raise InputError(f"{name}: got {kind}; allowed is an array of uint8, float32 or float64")
@@ -176,7 +180,8 @@ def at_texels(
 def _as_floats(image: Any, border: Any, model: GpuModel) -> tuple[Float, Float]:
     """The image as floats, and the border's colour (C,) of the same type."""
     channels = image.shape[2]
-    colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=np.float64)
+    kind = np.float32 if image.dtype == np.float32 else np.float64
+    colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=kind)
     if image.dtype == np.uint8:
         image, colour = _decoded(image, model), np.clip(colour, 0.0, 1.0)
     return image, colour.astype(image.dtype)

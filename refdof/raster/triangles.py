@@ -22,12 +22,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_choice, as_float, as_index, as_number
+from refdof._check import (
+    LARGEST_LENGTH,
+    Float,
+    Index,
+    InputError,
+    as_choice,
+    as_float,
+    as_index,
+    as_instance,
+    as_number,
+)
 from refdof._jit import inline, run_tasks, tile_kernel
 from refdof.camera import Camera
 from refdof.raster.bins import TILE_PX, bins_of
 from refdof.raster.clip import pieces_of, snapped
-from refdof.raster.depth_format import depth_code, depths_of, key_of, keys_of
+from refdof.raster.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
 from refdof.raster.gpu_model import EXACT, GpuModel
 
 __all__ = ["FINEST_BITS", "NEAR", "Raster", "rasterize"]
@@ -98,11 +108,11 @@ def rasterize(
     its snapped shape covers. With `attributes_from_snapped`, corners behind the near plane keep their places: they have
     none on the grid.
     """
-    if not isinstance(camera, Camera):
-        raise InputError(f"camera: got {type(camera).__name__}; allowed is a refdof.Camera")
-    if not isinstance(model, GpuModel):
-        raise InputError(f"model: got {type(model).__name__}; allowed is a GpuModel")
-    vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64)
+    as_instance("camera", camera, Camera)
+    as_instance("model", model, GpuModel)
+    as_choice("depth_format", depth_format, DEPTH_FORMATS)
+    bound = LARGEST_LENGTH
+    vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64, minimum=-bound, maximum=bound)
     faces = as_index("faces", faces, (None, 3), end=len(vertices))
     largest = float(np.abs(vertices).max(initial=0.0)) or 1.0
     near = NEAR * largest if near is None else as_number("near", near, above=0.0)
@@ -111,7 +121,8 @@ def rasterize(
         raise InputError(f"far: got {far:g}; allowed are values beyond near, {near:g}")
     exact = model.subpixel_bits == 0
     bits = FINEST_BITS if exact else model.subpixel_bits
-    precision = precision or ("float64" if model == EXACT else "float32")
+    if precision is None:
+        precision = "float64" if model == EXACT else "float32"
     kind: Any = np.dtype(as_choice("precision", precision, ("float64", "float32")))
     if kind == np.float64 and model != EXACT:
         raise InputError("precision: got 'float64'; allowed is 'float32' for a model other than EXACT")

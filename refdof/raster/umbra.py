@@ -23,7 +23,7 @@ import math
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_float, as_number
+from refdof._check import Float, Index, InputError, as_float, as_instance, as_integer, as_number
 from refdof._jit import inline, kernel, prange
 from refdof.camera import Camera
 from refdof.lens import ThinLens
@@ -41,8 +41,9 @@ def umbra_step(camera: Camera, lens: ThinLens, extent_px: int = 2) -> float:
     InputError
         If `extent_px` is neither 1 nor 2.
     """
-    if extent_px not in (1, 2):
-        raise InputError(f"extent_px: got {extent_px!r}; allowed are 1 (the pixel itself) and 2 (the paper's)")
+    as_instance("camera", camera, Camera)
+    as_instance("lens", lens, ThinLens)
+    extent_px = as_integer("extent_px", extent_px, minimum=1, maximum=2)
     if lens.radius == 0.0:
         return math.inf
     return extent_px / (2.0 * camera.pixels_per_tangent * lens.radius * lens.aperture.reach)

@@ -1,0 +1,461 @@
+"""Every public door with one valid call, and the values that nobody should hand to it.
+
+`DOORS` maps a name to a call and to its arguments, all of them. `INNER` names what stands behind the gate: helpers of
+kernels and methods, and records that come out. `tests/test_bad_calls.py` runs the table and fails for a public name in
+neither.
+"""
+
+import importlib
+import inspect
+import math
+import pkgutil
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import Any, NamedTuple
+from unittest import mock
+
+import numpy as np
+
+import refdof
+from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
+from refdof.compare import compare
+from refdof.image_file import load_image, png_bytes, save_image
+from refdof.lens_pattern import lens_pattern
+from refdof.load import load_scene
+from refdof.mesh_file import load_mesh
+from refdof.methods import cascaded
+from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture, umbra
+from refdof.raster.depth_peeling import peel_raster
+from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.triangles import rasterize
+from refdof.reference import reference_of_view
+from refdof.rendering import make_params, render_view
+from refdof.trace import Trace
+
+NAN, INF = math.nan, math.inf
+
+
+class Door(NamedTuple):
+    """A call and its arguments. Results may hold infinities or NaN only if `any_result` says that they are documented.
+
+    `says` names, for an argument, what else an error may begin with.
+    """
+
+    call: Callable[..., Any]
+    base: dict[str, Any]
+    says: dict[str, tuple[str, ...]] = {}  # noqa: RUF012
+    any_result: bool = False
+
+
+CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(3, 2))
+LARGER = CAMERA.with_size((11, 11))  # the window of SSIM
+LENS, PINHOLE = ThinLens(0.25, 3.0), ThinLens(0.0, 3.0)
+CORNERS = np.array([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 1.0]])
+FACES = np.array([[0, 1, 2]])
+UV = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])
+NORMAL = np.array([[0.0, 0.0, 1.0]] * 3)
+TEXELS = np.linspace(0.0, 1.0, 12).reshape(2, 2, 3)
+MATERIAL = Material("phong", (0.5, 0.5, 0.5), TEXELS, (0.0, 0.1, 0.0), (0.2, 0.2, 0.2), 8.0)
+# Of one colour: it meets any tolerance at once.
+EVEN = Scene.from_parts("even", [Part(CORNERS, FACES, Material("unlit"))], CAMERA, LENS, (1.0, 1.0, 1.0))
+LIGHT = Light(environment=np.full((2, 2, 3), 0.5))
+PART = Part(CORNERS, FACES, MATERIAL, UV, np.full((3, 3), 0.5), NORMAL)
+SCENE = Scene.from_parts("stage", [PART], CAMERA, LENS, (0.1, 0.2, 0.3), LIGHT)
+COLOR = np.linspace(0.1, 1.0, 18).reshape(2, 3, 3).astype(np.float32)
+WIDE = np.linspace(0.0, 1.0, 363).reshape(11, 11, 3)
+DEPTH = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, INF]])
+COC = np.array([[-2.0, -1.0, 0.0], [0.5, 1.0, 1.5]])
+CAMERA_SPACE = np.array([[-9.0, -9.0, -4.0], [9.0, -9.0, -4.0], [0.0, 9.0, -3.0]])
+PLACES = np.array([0.25, 0.5])
+INDICES = np.array([0, 1])
+
+
+def _view() -> View:
+    return View(SCENE, CAMERA, LENS)
+
+
+def _with(call: Callable[..., Any], **fixed: Any) -> Callable[..., Any]:
+    return lambda **words: call(**fixed, **words)
+
+
+def _unwarmed(**words: Any) -> Any:
+    """`compare` without compiling first: where nothing is compiled, that takes longer than the rest."""
+    with mock.patch("refdof.compare.warm_up"):
+        return compare(**words)
+
+
+def _rendered(name: str) -> Callable[..., Any]:
+    return lambda **words: refdof.render(name, SCENE, stages=True, **words)
+
+
+def _params_base(name: str) -> dict[str, Any]:
+    base = {field.name: getattr(METHODS[name].Params(), field.name) for field in fields(METHODS[name].Params)}
+    return base | ({"samples": 4} if "samples" in base else {})
+
+
+_PICTURES = {"color": COLOR, "depth": DEPTH, "coc": COC}
+_PAIR = {"reference": WIDE, "image": WIDE**2}
+_SIZES = {"reference": ("image", "second_reference")}  # the reference has the say
+_RASTER = {
+    "vertices": CAMERA_SPACE,
+    "faces": FACES,
+    "camera": CAMERA,
+    "near": 0.1,
+    "far": 100.0,
+    "model": EXACT,
+    "precision": "float64",
+    "depth_format": "linear",
+}
+_TEXTURE = {"image": COLOR, "model": EXACT}
+_REFERENCE = {
+    "camera": CAMERA,
+    "lens": LENS,
+    "samples": 16,
+    "replicates": 16,
+    "seed": 0,
+    "tolerance": None,
+    "pixel_filter": "centre",
+    "shared_pattern": False,
+    "progress": None,
+}
+_SHOT = {"scene": SCENE, "camera": CAMERA, "lens": LENS}
+_APERTURE = {"boundary": np.zeros((0, 2)), "weights": np.zeros((0, 0)), "scale": (1.0, 1.0), "deviation": INF}
+
+DOORS: dict[str, Door] = {
+    "refdof.aperture.Aperture": Door(Aperture, _APERTURE),
+    "refdof.aperture.Aperture.disc": Door(Aperture.disc, {"ratio": 1.0}),
+    "refdof.aperture.Aperture.gaussian": Door(Aperture.gaussian, {"deviation": 0.5, "ratio": 1.0}),
+    "refdof.aperture.Aperture.polygon": Door(
+        Aperture.polygon, {"blades": 5, "rotation": 10.0, "curvature": 0.5, "ratio": 1.0}
+    ),
+    "refdof.aperture.Aperture.image": Door(Aperture.image, {"weights": np.ones((2, 2)), "ratio": 1.0}),
+    "refdof.aperture.Aperture.from_square": Door(Aperture.polygon(5).from_square, {"square": UV}),
+    "refdof.aperture.Aperture.transmission": Door(Aperture.image(np.ones((2, 2))).transmission, {"points": UV}),
+    "refdof.camera.Camera": Door(
+        Camera,
+        {"eye": (0.0, 0.0, 4.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0), "fov_y": 40.0, "size": (3, 2)},
+        {"eye": ("target", "up"), "target": ("up",)},
+    ),
+    "refdof.camera.Camera.look_at": Door(
+        Camera.look_at,
+        {"eye": (0.0, 0.0, 4.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0), "fov_y": 40.0, "size": (3, 2)},
+        {"eye": ("target", "up"), "target": ("up",)},
+    ),
+    "refdof.camera.Camera.with_size": Door(CAMERA.with_size, {"size": (3, 2)}),
+    "refdof.camera.Camera.camera_from_world": Door(CAMERA.camera_from_world, {"points": CORNERS}),
+    "refdof.camera.Camera.project": Door(CAMERA.project, {"points": CORNERS}, any_result=True),  # NaN behind the eye
+    "refdof.compare.compare": Door(
+        _unwarmed,
+        {
+            "scene": SCENE,
+            "methods": ["scatter"],
+            "params": {"scatter": {"order": "none"}},
+            "camera": LARGER,
+            "lens": PINHOLE,
+            "samples": 16,
+            "tolerance": None,
+            "seed": 0,
+            "progress": None,
+        },
+        {"methods": ("params",), "camera": ("size",)},
+        any_result=True,  # PSNR of identical pictures
+    ),
+    "refdof.display.display": Door(refdof.display.display, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.display.display_slope": Door(refdof.display.display_slope, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.display.linear_from_display": Door(refdof.display.linear_from_display, {"encoded": COLOR}),
+    "refdof.display.to_8_bit": Door(refdof.display.to_8_bit, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.image_file.load_image": Door(load_image, {"path": "picture.npy"}),
+    "refdof.image_file.png_bytes": Door(png_bytes, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.image_file.save_image": Door(
+        save_image, {"path": "new.npy", "linear": COLOR}, {"path": ("out",), "linear": ("image", "out")}
+    ),
+    "refdof.lens.ThinLens": Door(ThinLens, {"radius": 0.25, "focus_distance": 3.0, "aperture": Aperture.disc()}),
+    "refdof.lens.ThinLens.from_f_number": Door(
+        ThinLens.from_f_number,
+        {"focal_length": 0.05, "f_number": 2.0, "focus_distance": 3.0, "aperture": None},
+        {"focal_length": ("focus_distance", "f_number")},
+    ),
+    "refdof.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
+    "refdof.lens_pattern.lens_pattern": Door(
+        lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
+    ),
+    "refdof.load.load_scene": Door(
+        load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
+    ),
+    "refdof.mesh_file.load_mesh": Door(
+        load_mesh,
+        {"path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0)},
+        {"path": ("scene",)},
+    ),
+    "refdof.methods.cascaded.blur_buffers": Door(
+        cascaded.blur_buffers,
+        {
+            "color": COLOR[None],
+            "depth": DEPTH[None],
+            "camera": CAMERA,
+            "lens": LENS,
+            "params": cascaded.Params(),
+            "trace": None,
+        },
+        {"camera": ("color",)},
+    ),
+    "refdof.metrics.scores": Door(refdof.metrics.scores, _PAIR, _SIZES, True),
+    "refdof.metrics.perceptual.flip": Door(refdof.metrics.flip, _PAIR, _SIZES),
+    "refdof.metrics.pointwise.max_abs": Door(refdof.metrics.max_abs, _PAIR, _SIZES),
+    "refdof.metrics.pointwise.psnr": Door(refdof.metrics.psnr, _PAIR, _SIZES, True),
+    "refdof.metrics.pointwise.psnr_8bit": Door(refdof.metrics.psnr_8bit, _PAIR, _SIZES, True),
+    "refdof.metrics.pointwise.rel_mse": Door(refdof.metrics.rel_mse, _PAIR | {"second_reference": WIDE}, _SIZES),
+    "refdof.metrics.pointwise.rmse": Door(refdof.metrics.rmse, _PAIR | {"second_reference": WIDE}, _SIZES),
+    "refdof.metrics.structural.ssim": Door(refdof.metrics.ssim, _PAIR, _SIZES),
+    "refdof.noise_floor.noise_floor_psnr": Door(
+        refdof.metrics.noise_floor_psnr,
+        {"reference": COLOR, "standard_error": COLOR / 100},
+        {"reference": ("standard_error",)},
+        True,
+    ),
+    "refdof.raster.ambiguity.ambiguous_pixels": Door(
+        ambiguity.ambiguous_pixels,
+        {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "depth": DEPTH[None], "model": EXACT},
+        {"vertices": ("faces",), "camera": ("depth",)},
+    ),
+    "refdof.raster.ambiguity.near_edges": Door(
+        ambiguity.near_edges,
+        {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "reach_px": 0.5},
+        {"vertices": ("faces",)},
+    ),
+    "refdof.raster.coverage.average_color": Door(coverage.average_color, {"texels": COLOR}, any_result=True),
+    "refdof.raster.coverage.coverage_mipmaps": Door(
+        coverage.coverage_mipmaps,
+        {"color": COLOR, "covered": DEPTH < 5, "model": EXACT},
+        {"covered": ("color",)},
+        any_result=True,
+    ),
+    "refdof.raster.depth_peeling.peel_raster": Door(
+        peel_raster,
+        {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "count": 2, "umbra": 0.0},
+        {"vertices": ("faces",)},
+        any_result=True,
+    ),
+    "refdof.raster.gpu_model.GpuModel": Door(GpuModel, {f.name: getattr(EXACT, f.name) for f in fields(GpuModel)}),
+    "refdof.raster.gpu_model.store": Door(
+        gpu_model.store, {"values": COLOR, "texture_format": "f16", "model": EXACT}, any_result=True
+    ),
+    "refdof.raster.matting.layer_coordinate": Door(
+        matting.layer_coordinate,
+        {"depth": DEPTH, "bounds": np.array([1.0, 2.0, 5.0]), "boundary": "extrapolate", "dtype": np.float32},
+    ),
+    "refdof.raster.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
+    "refdof.raster.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
+    "refdof.raster.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
+    "refdof.raster.mipmap.gaussian_mipmaps": Door(mipmap.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True),
+    "refdof.raster.mipmap.generate_mipmaps": Door(mipmap.generate_mipmaps, _TEXTURE, any_result=True),
+    "refdof.raster.nbuffer.n_buffer": Door(
+        nbuffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
+    ),
+    "refdof.raster.nbuffer.query": Door(
+        nbuffer.query,
+        {
+            "nbuffer": nbuffer.n_buffer(DEPTH),
+            "x0": INDICES,
+            "y0": INDICES,
+            "x1": INDICES,
+            "y1": INDICES,
+            "exact": False,
+        },
+        {"x0": ("x1", "y0", "x1", "y1"), "y0": ("y1",)},
+        any_result=True,
+    ),
+    "refdof.raster.texture.bilinear": Door(
+        texture.bilinear, _TEXTURE | {"u": PLACES, "v": PLACES, "border": None}, {"u": ("u, v",), "v": ("u, v",)}, True
+    ),
+    "refdof.raster.texture.fetch": Door(
+        texture.fetch, _TEXTURE | {"x": INDICES, "y": INDICES}, {"x": ("x, y",), "y": ("x, y",)}, True
+    ),
+    "refdof.raster.texture.level_of_detail": Door(
+        texture.level_of_detail,
+        {"squared": PLACES, "model": EXACT, "bias": 0.5},
+        {"squared": ("squared, bias",), "bias": ("squared, bias",)},
+    ),
+    "refdof.raster.texture.trilinear": Door(
+        texture.trilinear,
+        {"levels": [COLOR, COLOR[:1, :1]], "u": PLACES, "v": PLACES, "lod": PLACES, "model": EXACT, "border": None},
+        {"u": ("u, v, lod",), "v": ("u, v, lod",), "lod": ("u, v, lod",)},
+        True,
+    ),
+    "refdof.raster.triangles.rasterize": Door(
+        _with(rasterize),
+        _RASTER | {"previous_depth": None},
+        {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
+        True,
+    ),
+    "refdof.raster.umbra.survivors": Door(
+        umbra.survivors, {"depth": np.stack([DEPTH, DEPTH]), "camera": CAMERA, "lens": LENS, "extent_px": 2}
+    ),
+    "refdof.raster.umbra.umbra_step": Door(
+        umbra.umbra_step, {"camera": CAMERA, "lens": LENS, "extent_px": 2}, any_result=True
+    ),
+    "refdof.raster.umbra.worst_case_layers": Door(
+        umbra.worst_case_layers,
+        {"camera": CAMERA, "lens": LENS, "near": 1.0, "far": 9.0, "extent_px": 2},
+        {"near": ("far",)},
+    ),
+    "refdof.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE),
+    "refdof.reference.reference_of_view": Door(
+        reference_of_view,
+        {"view": View(EVEN, CAMERA, LENS)} | {k: v for k, v in _REFERENCE.items() if k not in ("camera", "lens")},
+    ),
+    "refdof.rendering.make_params": Door(
+        make_params, {"method": "scatter", "values": {"order": "none"}}, {"values": ("parameter of scatter",)}
+    ),
+    "refdof.rendering.render": Door(refdof.render, {"method": "scatter", "stages": False} | _SHOT),
+    "refdof.rendering.render_view": Door(render_view, {"method": "scatter", "view": _view(), "stages": False}),
+    "refdof.sampling.lens_samples": Door(
+        refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
+    ),
+    "refdof.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
+    "refdof.scene.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
+    "refdof.scene.Part": Door(
+        Part, {f.name: getattr(PART, f.name) for f in fields(Part)}, {"vertices": ("faces", "uv", "color", "normal")}
+    ),
+    "refdof.scene.Scene": Door(
+        Scene,
+        {f.name: getattr(SCENE, f.name) for f in fields(Scene)},
+        {"vertices": ("faces", "uv", "color", "normal"), "faces": ("face_material",), "materials": ("face_material",)},
+    ),
+    "refdof.scene.Scene.from_parts": Door(
+        Scene.from_parts,
+        {"name": "a", "parts": [PART], "camera": CAMERA, "lens": LENS, "background": (0.0, 0.0, 0.0), "light": LIGHT},
+    ),
+    "refdof.scene.Scene.scaled": Door(SCENE.scaled, {"factor": 2.0}),
+    "refdof.scene.Scene.with_background": Door(SCENE.with_background, {"background": (0.0, 0.0, 0.0)}),
+    "refdof.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
+    "refdof.view.View": Door(View, _SHOT),
+    "refdof.view.View.layers": Door(lambda **words: _view().layers(**words), {"count": 1}, any_result=True),
+    "refdof.view.View.surface_counts": Door(lambda **words: _view().surface_counts(**words), {"extent_px": 0}),
+    "refdof.view.View.umbra_layers": Door(
+        lambda **words: _view().umbra_layers(**words), {"count": 1, "extent_px": 2}, any_result=True
+    ),
+    "refdof.view.view_of": Door(refdof.view.view_of, _SHOT),
+}
+for _name, _module in METHODS.items():
+    DOORS[f"refdof.methods.{_name}.Params"] = Door(
+        _rendered(_name),
+        _params_base(_name),
+        {"near": ("near, far", "spacing_px"), "far": ("near", "near, far", "spacing_px")},
+        any_result=True,
+    )
+    if hasattr(_module, "blur"):
+        DOORS[f"refdof.methods.{_name}.blur"] = Door(
+            _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
+        )
+
+# Behind the gate: helpers of kernels and methods, and records that come out.
+INNER_MODULES = {
+    "atomic", "cli", "comparison", "error_bar", "fetches", "gltf_camera", "lens_rays", "method_facts", "normals",
+    "opening", "owen", "promises", "report", "scenes", "shading", "shot", "small_lights", "suggest", "surfaces",
+    "trace", "raster.anisotropic", "raster.attributes", "raster.bins", "raster.clip", "raster.decomposition",
+    "raster.depth_format", "raster.disc", "raster.filters", "raster.footprint", "raster.gaussian", "raster.halving",
+    "raster.height_field", "raster.layer_color", "raster.layer_trace", "raster.magnify", "raster.peel",
+    "raster.planar", "raster.pyramid", "raster.quick_blurs", "raster.ray_doubt", "raster.raycast", "raster.reads",
+    "raster.squares", "raster.texel_walk",
+}  # fmt: skip
+INNER = {
+    "refdof.aperture.concentric_disc",
+    "refdof.aperture.gaussian_stretch",
+    "refdof.compare.warm_up",
+    "refdof.lens_pattern.LensPattern",
+    "refdof.lens_pattern.mean_nearest_distance",
+    "refdof.methods.cascaded.layering_of",
+    "refdof.methods.multiview.cone_width",
+    "refdof.methods.singlepass.spiral",
+    "refdof.raster.ambiguity.tied_depths",
+    "refdof.raster.matting.matte",
+    "refdof.raster.nbuffer.Extremes",
+    "refdof.raster.nbuffer.NBuffer",
+    "refdof.raster.nbuffer.highest_in",
+    "refdof.raster.nbuffer.lowest_in",
+    "refdof.raster.texture.as_texture",
+    "refdof.raster.texture.at_texels",
+    "refdof.raster.triangles.Raster",
+    "refdof.raster.umbra.reach_beyond",
+    "refdof.reference.Reference",
+    "refdof.rendering.Result",
+    "refdof.view.Booking",
+    "refdof.view.Pinhole",
+    "refdof.view.Triangles",
+    "refdof.view.View.booking",
+    "refdof.view.View.product",
+}
+INNER |= {f"refdof.methods.{name}.{word}" for name in METHODS for word in ("render", "fetch_units")}
+
+SCALARS = [
+    None, "no", "", "no\nno", b"no", NAN, INF, -INF, -1, 0, 1e300, -1e300, 1e-300, 20.5, True, 1j, 10**400, -(10**400),
+    np.complex64(1), np.datetime64("2020-01-01"), np.array(2.0), np.array([2.0]), np.float32(NAN), np.uint8(200),
+]  # fmt: skip
+THINGS = [
+    [], (), {}, {"no": 1}, [1.0, 2.0], (1e300, 0.0, 0.0), (NAN, 0.0, 0.0), (-1, 0.0, 0.0), (0.0, 0.0, 0.0), "abc",
+    ["no"], [[1.0], [1.0, 2.0]], [None, 1.0, 2.0], (10**400, 0, 0), object(), len, float, range(3),
+    np.zeros((2, 2)), np.zeros(0), np.zeros((0, 3)), np.array([None, None, None]), np.array([1j, 0, 0]),
+    np.array(["no", "1", "2"]),
+    np.zeros((2, 2, 3), dtype=np.uint8), np.full((3, 2, 3), NAN), CAMERA, LENS, SCENE, MATERIAL, EXACT, {1, 2},
+]  # fmt: skip
+
+
+def variants(base: Any) -> list[Any]:
+    """Arrays that almost fit: other values, types, shapes and layouts than the valid one."""
+    if not isinstance(base, np.ndarray):
+        return []
+    out = [base.tolist(), np.asfortranarray(base), base[:0], base[:1], base[..., :1], base[None], base.T, base[::-1]]
+    for kind in (np.uint8, np.uint16, np.int64, np.bool_, np.float16, np.float32, np.float64, np.longdouble, ">f4",
+                 np.complex128, object, "U8"):  # fmt: skip
+        with np.errstate(all="ignore"):
+            out.append(np.nan_to_num(base).astype(kind) if base.dtype.kind == "f" else base.astype(kind))
+    if base.size:
+        for value in (NAN, INF, -INF, -1.0, 0.0, 1e-300, 1e300, -1e300, 3e38, 1e39, 1e25, -1e25, 2.0**31, 2.0**63):
+            for kind in (np.float32, np.float64):
+                with np.errstate(all="ignore"):
+                    bad = base.astype(kind)
+                    bad[(0,) * bad.ndim] = value
+                    out += [bad, np.full_like(bad, value)]
+        whole = base.astype(np.int64) if base.dtype.kind in "iu" else None
+        for index in (-1, -(2**63), 2**31, 2**62, 99) if whole is not None else ():
+            bad = whole.copy()
+            bad[(0,) * bad.ndim] = index
+            out.append(bad)
+    return out
+
+
+def public_names() -> dict[str, Any]:
+    """Functions, classes and methods in `__all__` of every module that is not behind the gate, by dotted name."""
+    found = {}
+    for info in pkgutil.walk_packages(refdof.__path__, "refdof."):
+        short = info.name.removeprefix("refdof.")
+        if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
+            continue
+        if short.split(".")[0] in ("scenes", "report", "data"):
+            continue
+        module = importlib.import_module(info.name)
+        for name in getattr(module, "__all__", ()):
+            thing = getattr(module, name)
+            if not callable(thing) or not getattr(thing, "__module__", info.name).startswith("refdof"):
+                continue
+            if thing.__module__ != info.name:  # stands in another module's table
+                continue
+            found[f"{info.name}.{name}"] = thing
+            if inspect.isclass(thing) and f"{info.name}.{name}" in DOORS:
+                for word, member in vars(thing).items():
+                    function = getattr(member, "__func__", member)
+                    if not word.startswith("_") and inspect.isfunction(function) and arguments_of(function):
+                        found[f"{info.name}.{name}.{word}"] = function
+    return found
+
+
+def arguments_of(thing: Any) -> set[str]:
+    """The names of a function's arguments, without `self`, `cls` and free words."""
+    signature = inspect.signature(thing).parameters.values()
+    return {p.name for p in signature if p.kind is not p.VAR_KEYWORD} - {"self", "cls"}
+
+
+__all__ = [
+    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "Trace", "arguments_of", "public_names", "replace", "variants",
+]  # fmt: skip
