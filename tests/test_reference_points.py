@@ -225,3 +225,9 @@ def test_the_background_is_seen_past_the_edge():
     )
     truth = reference(scene, samples=64)
     assert_array_equal(truth.image, np.broadcast_to(np.float32([0.5, 0.5, 0.25]), (3, 4, 3)))
+
+
+def test_a_tolerance_starts_with_eight_points_a_replicate():
+    # Fewer could agree by chance; here all are wanted to.
+    _, scene = colored_pixels(2, 1)
+    assert_array_equal(reference(scene, tolerance=100.0).samples, 16 * 8)
