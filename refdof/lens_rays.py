@@ -20,7 +20,7 @@ from refdof._check import Index
 from refdof._jit import borrow, call_address, inline, tile_kernel
 from refdof.aperture import concentric_disc
 from refdof.opening import borrow_opening, is_plain_disc, lens_point
-from refdof.owen import borrow_block, mix, reverse_bits, scramble
+from refdof.owen import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
 from refdof.raster.raycast import LANES, ROWS, Row
 from refdof.shading import shade
 from refdof.surfaces import borrow_surfaces, intersect
@@ -124,9 +124,9 @@ def _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_o
             s = p * group + g
             tangents[0, s] = (pixels[p, 0] - 0.5 * shot.width) * scale
             tangents[1, s] = (0.5 * shot.height - pixels[p, 1]) * scale
-            state = mix(mix(seed, np.uint32(replicate + g)), np.uint32(identity))
+            state = scramble_state(seed, replicate + g, identity)
             for k in range(4):
-                seeds[k, s] = mix(state, np.uint32(k))
+                seeds[k, s] = axis_seed(state, k)
             _invert_cells(column_of, s, seeds[0, s])
             _invert_cells(row_of, s, seeds[1, s])
 

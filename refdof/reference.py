@@ -17,7 +17,7 @@ References
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -52,17 +52,23 @@ class Reference:
     Attributes
     ----------
     image, standard_error : (H, W, 3) float32
-        Linear RGB, and the standard error of each value. A 95 % interval is image +- 2.13 standard errors
-        (Student's t for 16 replicates).
+        Linear RGB, and the standard error of each value.
+    low, high : (H, W, 3) float32
+        A 95 % interval of each value, `refdof.error_bar`.
     samples : (H, W) int64
         Lens samples spent on each pixel.
     seconds : float
+    skew : (H, W, 3) float32
+        Cube root of the third central moment of each value's error, in the unit of the value.
     """
 
     image: Float
     standard_error: Float
+    low: Float
+    high: Float
     samples: Index
     seconds: float
+    skew: Float
 
     @property
     def noise_floor_psnr(self) -> float:
@@ -147,14 +153,11 @@ def estimate(
     box = as_choice("pixel_filter", pixel_filter, PIXEL_FILTERS) == "box"
     began = time.perf_counter()
     height, width = view.camera.height, view.camera.width
-    result = Reference(
-        np.zeros((height, width, 3), dtype=np.float32),
-        np.zeros((height, width, 3), dtype=np.float32),
-        np.ones((height, width), dtype=np.int64),
-        0.0,
-    )
+    image, standard_error, skew, low, high = np.zeros((5, height, width, 3), dtype=np.float32)
+    result = Reference(image, standard_error, low, high, np.ones((height, width), dtype=np.int64), 0.0, skew)
     if view.lens.radius == 0.0 and not box:  # a pinhole: one ray is exact
-        result.image[:] = view.pinhole().color
+        for picture in (result.image, result.low, result.high):
+            picture[:] = view.pinhole().color
         return _timed(result, began)
 
     surfaces, tracer, shot, opening = (
@@ -189,17 +192,19 @@ def estimate(
             todo: Index = np.flatnonzero(spent == count)
             sums[:, todo] = trace(pixels[todo], 0, int(count))
         grid = grid_of(pixels)
-        mean, error = summarise(sums, spent, grid)
+        found = summarise(sums, spent, grid)
         while tolerance is not None:
-            todo = np.flatnonzero(unfinished(mean, error, spent, grid, tolerance, _MAX_POINTS))
+            todo = np.flatnonzero(unfinished(found.mean, found.error, spent, grid, tolerance, _MAX_POINTS))
             if not len(todo):
                 break
             have = int(spent[todo[0]])
             sums[:, todo] += trace(pixels[todo], have, have)
             spent[todo] += have
-            mean, error = summarise(sums, spent, grid)
-        result.image[rows, columns] = mean
-        result.standard_error[rows, columns] = error
+            found = summarise(sums, spent, grid)
+        result.image[rows, columns] = found.mean
+        result.standard_error[rows, columns] = found.error
+        result.skew[rows, columns] = np.cbrt(found.third)
+        result.low[rows, columns], result.high[rows, columns] = found.low, found.high
         result.samples[rows, columns] = spent * replicates
 
     corners = [(x, y) for y in range(0, height, _TILE) for x in range(0, width, _TILE)]
@@ -208,7 +213,7 @@ def estimate(
 
 
 def _timed(result: Reference, began: float) -> Reference:
-    return Reference(result.image, result.standard_error, result.samples, time.perf_counter() - began)
+    return replace(result, seconds=time.perf_counter() - began)
 
 
 def _power_of_two(count: Any) -> Any:

@@ -5,18 +5,18 @@ import pytest
 from scipy import stats
 
 from refdof import Aperture
+from refdof._jit import JIT_DISABLED, kernel, prange
 from refdof.opening import lens_point, opening_of
-from refdof.owen import block_of, mix, reverse_bits, scramble
+from refdof.owen import axis_seed, block_of, reverse_bits, scramble, scramble_state
 
 
 def scrambled(first, log2_count, seed, axes=(0, 1)):
     """Points (N, 2) of one block of the sequence under one scramble."""
     block = block_of(first, log2_count)
     with np.errstate(over="ignore"):
-        state = mix(np.uint32(seed), np.uint32(7))
+        state = scramble_state(seed, 7, 0)
         columns = [
-            [reverse_bits(scramble(x, mix(state, np.uint32(axis)))) for x in block.reversed_points[axis]]
-            for axis in axes
+            [reverse_bits(scramble(x, axis_seed(state, axis))) for x in block.reversed_points[axis]] for axis in axes
         ]
     return (np.array(columns, dtype=np.float64).T + 0.5) / 2.0**32
 
@@ -43,18 +43,85 @@ def test_the_test_can_tell_a_net():
     assert not is_net(np.random.default_rng(0).random((16, 2)), 4)
 
 
+SEEDS = 500 if JIT_DISABLED else 200_000
+GRIDS = (2, 8, 16, 64)
+
+
+@kernel
+def draws(points, seeds, replicate, pixel, out):
+    """Fill out (4, N): one bit-reversed point (4,) under the scrambles of N seeds, on the unit interval."""
+    for s in prange(len(seeds)):
+        state = scramble_state(seeds[s], replicate, pixel)
+        for axis in range(4):
+            out[axis, s] = reverse_bits(scramble(points[axis], axis_seed(state, axis))) * 2.0**-32
+
+
+def drawn(point, replicate=0, pixel=0, seeds=None):
+    """Where point number `point` of the net lies, (4, N) in [0, 1), for N seeds."""
+    seeds = np.arange(SEEDS, dtype=np.int64) if seeds is None else seeds
+    out = np.empty((4, len(seeds)))
+    with np.errstate(over="ignore"):
+        draws(np.ascontiguousarray(block_of(0, 8).reversed_points[:, point]), seeds, replicate, pixel, out)
+    return out
+
+
+def p_value(x, y, grid):
+    """Chi-square of the joint histogram of x and y against independent uniforms."""
+    cell = (x * grid).astype(np.int64) * grid + (y * grid).astype(np.int64)
+    return stats.chisquare(np.bincount(cell, minlength=grid * grid)).pvalue
+
+
+def assert_uniform(p):
+    """Assert that none of many p-values is too small: by chance one choice of seeds in a thousand fails.
+
+    P-values of one scramble's points, and of grids inside grids, are related: their own distribution says nothing.
+    """
+    assert min(p) > 1e-3 / len(p)
+
+
+def grids():
+    """Grids with at least five draws expected in a cell, as chi-square asks."""
+    return [grid for grid in GRIDS if SEEDS / grid**2 >= 5]
+
+
 def test_a_point_is_uniform_over_scrambles():
-    points = np.concatenate([scrambled(0, 2, seed)[1:2] for seed in range(2000)])
-    counts = np.histogram2d(*points.T, bins=8, range=[[0, 1], [0, 1]])[0]
-    assert stats.chisquare(counts.ravel()).pvalue > 1e-4  # fixed seeds: one failure in 10 000 choices of them
+    p = []
+    for point in (0, 1, 7, 255):
+        for axis in drawn(point):
+            p.append(stats.chisquare(np.bincount((axis * 256).astype(int), minlength=256)).pvalue)
+    assert_uniform(p)
 
 
-def test_scrambles_of_neighbouring_seeds_are_unrelated():
-    first, second = (np.array([scrambled(0, 0, seed)[0] for seed in range(k, 3000, 2)]) for k in (0, 1))
-    for axis in range(2):
-        # Independent uniforms: the correlation of 1500 pairs is normal with deviation 0.026; 4 of them.
-        assert abs(np.corrcoef(first[:, axis], second[:, axis])[0, 1]) < 0.104
-    assert abs(np.corrcoef(first[:, 0], first[:, 1])[0, 1]) < 0.104
+@pytest.mark.parametrize("points", [1, 2, 4, 16, 64, 256])
+def test_axes_are_independent(points):
+    p = []
+    for point in {0, points // 2, points - 1}:  # of a net of so many points
+        for replicate, pixel in ((0, 0), (15, 0), (3, 307_199)):
+            place = drawn(point, replicate, pixel)
+            p += [p_value(place[a], place[b], g) for a in range(4) for b in range(a + 1, 4) for g in grids()]
+    assert_uniform(p)
+
+
+@pytest.mark.parametrize("other", [{"replicate": 1}, {"replicate": 8}, {"pixel": 1}, {"pixel": 640}, {"pixel": 2**32}])
+def test_replicates_and_pixels_are_independent(other):
+    p = []
+    for point in (0, 1, 100):
+        here, there = drawn(point), drawn(point, **other)
+        p += [p_value(here[a], there[b], g) for a in range(4) for b in range(4) for g in grids()]
+    assert_uniform(p)
+
+
+@pytest.mark.parametrize("step", [1, 2, 2**16, 2**31])
+def test_neighbouring_seeds_are_independent(step):
+    seeds = np.arange(0, 2 * SEEDS, 2, dtype=np.int64) if step == 1 else np.arange(SEEDS, dtype=np.int64) * 4
+    here, there = drawn(1, seeds=seeds), drawn(1, seeds=(seeds + step) % 2**32)
+    assert_uniform([p_value(here[a], there[b], g) for a in range(4) for b in range(4) for g in grids()])
+
+
+def test_the_test_can_tell_related_axes():
+    random = np.random.default_rng(0)
+    x, y = random.random((2, 20_000))
+    assert p_value(x, (y + 0.2 * (x > 0.5) * (y < 0.1)) % 1.0, 8) < 1e-6
 
 
 def test_cells_are_all_visited_along_squares():
