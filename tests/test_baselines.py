@@ -128,6 +128,13 @@ def test_poisson_keeps_a_pixel_whose_taps_weigh_nothing():
     assert np.array_equal(image[12, 12], color[12, 12])
 
 
+def test_blur_code_is_linear_in_distance_on_either_side():
+    # In focus at 2, from 1 to 10: 3 is an eighth of the way behind, 1.5 half the way in front.
+    depth = np.array([[1.0, 1.5, 2.0, 3.0, 6.0, 10.0, np.inf]])
+    code = poisson._code(depth, 4.0 * (0.5 - 1.0 / depth), poisson.Params())
+    np.testing.assert_allclose(code, [[0.0, 0.25, 0.5, 0.5625, 0.75, 1.0, 1.0]], rtol=1e-12)
+
+
 def test_poisson_counts_taps_as_blurred_as_the_centre_in_full():
     # A row whose left half has code 3/4 and is black, and whose right half has code 1/4 and is white. At the border six
     # taps fall on either side, all far from it: 60 px times 0.185 at least. The left ones are as far back as the pixel

@@ -213,7 +213,8 @@ def test_a_tolerance_doubles_the_net_until_it_is_kept():
     few = reference(scene, samples=16 * 8)
     truth = reference(scene, tolerance=float(few.standard_error.min()) / 8.0)
     assert (truth.samples > 16 * 8).all()
-    assert (truth.samples <= 16 * 512).all()
+    # Nets take 4 times the points for an eighth of the error, here 16 times; independent points would take 64.
+    assert (truth.samples <= 16 * 256).all()
     # The bound holds for every bar by construction; the picture keeps it as a bar of 16 replicates does: 4 deviations.
     assert np.abs(truth.image - 0.5).max() < 4.0 * float(few.standard_error.min()) / 8.0
 
