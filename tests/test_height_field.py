@@ -131,11 +131,11 @@ def test_a_ray_leaves_the_image_at_its_right_and_lower_border(march, upright):
 @pytest.mark.parametrize("culling", [False, True])
 def test_a_ray_may_leave_within_any_layer(order, culling):
     # One layer of 3 px of blur, through which the outer pixels' rays leave, and one of 1/4 px.
-    coc = np.full((2, 1, 8), np.inf)
+    coc = np.full((2, 9, 8), np.inf)
     near, far = np.array([-3.0, -0.25])[::order], np.array([-2.75, 0.25])[::order]
     coc[0 if order == 1 else 1], coc[1 if order == 1 else 0] = np.inf, 0.0
     search = SEARCH._replace(discard=True, culling=culling)
-    found = trace_hits(fields_of(coc, near, far, 1.0), one_set((1.0, 0.0)), search).layer[0, :, 0]
+    found = trace_hits(fields_of(coc, near, far, 1.0), one_set((1.0, 0.0)), search).layer[4, :, 0]
     # Over x + 1/2 + 3 at the first: inside up to pixel 4. A ray that meets something before it leaves stays.
     still = 1 if order == 1 else 0
     np.testing.assert_array_equal(found, [still] * 5 + ([-2] * 3 if order == 1 else [0] * 3))
@@ -150,7 +150,7 @@ def test_culling_changes_no_bit_where_the_border_goes_on(seed, march):
     random = np.random.default_rng([seed, 7])
     near, far = np.array([-3.0, -1.0, 1.0]), np.array([-1.0, 1.0, 3.0])
     coc = near[:, None, None] + 2.0 * random.random((3, 9, 14))
-    coc[:, :, :9] = np.inf
+    coc[0, :, :9] = coc[1, :, 5:] = coc[2, :, 2:8] = np.inf
     coc[random.random(coc.shape) < 0.3] = np.inf
     fields = fields_of(coc, near, far, 1.0)
     pattern = one_set((0.9, 0.1), (-0.5, 0.7), (0.0, -1.0), (-1.0, 0.0))
@@ -192,14 +192,30 @@ def test_reach_holds_the_blur_and_little_more(near, far, largest, widening, leas
 # --- doubt
 
 
-def test_rays_along_the_images_border_are_in_doubt():
-    def doubt(shift):
-        coc = field(4, {3: -0.5})
-        search = SEARCH._replace(discard=True, march=True, thickness=0.5)
-        fields = fields_of(coc, np.array([-1.0]), np.array([0.0]), 1.0)
-        return bool(trace_hits(fields, one_set((0.5 + shift, 0.0)), search).ambiguous[0, 3, 0])
+def doubt(heights, far, pixel=2, near=0.0, width=5, **words):
+    search = SEARCH._replace(thickness=0.5, **words)
+    fields = fields_of(field(width, heights), np.array([near]), np.array([float(far)]), 1.0)
+    return bool(trace_hits(fields, one_set((0.5, 0.0)), search).ambiguous[0, pixel, 0])
 
-    # Pixel 3 ends over 4 + shift.
-    assert doubt(1e-4)
-    assert doubt(-1e-4)
-    assert not doubt(0.1)
+
+def test_numbers_too_close_to_call_are_in_doubt():
+    # Pixel 2 leaves texel 2 at c = 1 and texel 1 at c = 3.
+    assert not doubt({2: 0.9, 1: 0.2, 0: 0.2}, 3)
+    assert not doubt({2: 1.1, 1: 0.2, 0: 0.2}, 3)
+    assert doubt({2: 1.0005, 1: 0.2, 0: 0.2}, 3)
+    assert doubt({2: 0.9995, 1: 0.2, 0: 0.2}, 3)
+
+
+def test_what_blocks_and_then_is_free_is_in_doubt():
+    assert doubt({2: 0.9}, 3)
+    # A ray that leaves the image for certain is not: nothing else is asked of it. At c = 8 it is over -1.5.
+    assert not doubt({2: 0.9}, 8, discard=True)
+    assert doubt({2: 0.9}, 8, discard=False)
+
+
+def test_rays_along_the_images_border_are_in_doubt():
+    # Pixel 3 of 4 ends over 3.5 - near / 2, and the image at 4.
+    words = {"heights": {3: -0.5}, "far": 0, "pixel": 3, "width": 4, "march": True, "discard": True}
+    assert doubt(near=-1.0 - 2e-4, **words)
+    assert doubt(near=-1.0 + 2e-4, **words)
+    assert not doubt(near=-1.2, **words)
