@@ -40,8 +40,8 @@ def layers_of(circles, **words):
     return found
 
 
-# Layers of 2 px from -12 on, the last one cut at -1: bounds -12, -10, -8, -6, -4, -2, -1. With an overlap of a half they
-# hold [-13, -9), [-11, -7), [-9, -5), [-7, -3), [-5, -1), [-3, 0): a lower end belongs to a layer, an upper one does not.
+# Layers of 2 px from -12 on, the last one cut at -1: bounds -12, -10, -8, -6, -4, -2, -1. With an overlap of a half
+# they hold [-13, -9), [-11, -7), [-9, -5), [-7, -3), [-5, -1), [-3, 0): lower ends belong to a layer, upper ones not.
 @pytest.mark.parametrize(
     ("circles", "overlap", "layers"),
     [

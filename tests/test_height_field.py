@@ -1,6 +1,7 @@
 """Rays through height fields by hand: borders of texels and of the image, each step of the search, what culling skips.
 
-Fields are rows of texels, empty but for a few. Through lens point (1, 0) the ray of pixel x is over x + 1/2 - c at height c.
+Fields are rows of texels, empty but for a few. Through lens point (1, 0) the ray of pixel x is over x + 1/2 - c at
+height c.
 """
 
 import numpy as np
@@ -163,8 +164,8 @@ def test_culling_changes_no_bit_where_the_border_goes_on(seed, march):
 
 
 def test_only_layers_out_of_reach_are_culled():
-    # One texel, at circle of confusion 2: rays of pixels up to 2 px away can meet it. Blocks of 4 px and the bound's own
-    # pixel may keep more, up to 3 + 1 px on either side.
+    # One texel, at circle of confusion 2: rays of pixels up to 2 px away can meet it. Blocks of 4 px and the bound's
+    # own pixel may keep more, up to 3 + 1 px on either side.
     coc = np.full((1, 1, 24), np.inf)
     coc[0, 0, 12] = 2.0
     culled = culled_layers(fields_of(coc, np.array([2.0]), np.array([2.0]), 1.0), SEARCH._replace(culling=True))[0, 0]

@@ -35,9 +35,7 @@ def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
     stack = new_stack(parallax, extension, complete)
-    return trace_layers(
-        stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, misses="black", **words
-    )
+    return trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, misses="black", **words)
 
 
 def meet(layers, pixel, v, focus, width=4, upright=False, **words):
@@ -91,6 +89,7 @@ def test_a_slow_ray_crosses_texels_too(upright):
     assert meet([{1: 300.0}], **words) == (0, 1)
     assert meet([{0: 300.0}], **words) == "background"
     assert meet([{0: 200.0}], **words) == (0, 0)
+    assert meet([{1: 300.0, 0: 900.0}], **words) == (0, 1)  # from texel 2 on, where it is at 900
 
 
 @pytest.mark.parametrize("upright", [False, True])
@@ -124,7 +123,9 @@ def test_one_ray_that_leaves_is_enough():
     assert_allclose(traced.image[0, 0], np.array(BACKGROUND) / 2.0, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("stored", "complete", "seen"), [(2, False, "missed"), (1, False, "background"), (2, True, "background")])
+@pytest.mark.parametrize(
+    ("stored", "complete", "seen"), [(2, False, "missed"), (1, False, "background"), (2, True, "background")]
+)
 def test_a_ray_that_ends_behind_a_full_stack_is_missed(stored, complete, seen):
     # Pixel 1 through v = 1/2 at focus 1: over 1 + u / 2, so it is in texel 1 below u = 2, and ends there.
     column = [{1: 9.0}, {1: 8.0}][:stored] + [{}] * (2 - stored)
@@ -142,8 +143,8 @@ def test_of_surfaces_in_one_place_the_first_layer_counts():
 
 @pytest.mark.parametrize("upright", [False, True])
 def test_a_sample_is_met_at_the_side_from_above_its_own_surface(upright):
-    # Into texel 1 at 2, where the sample is at 2.5. Before it, texel 2 has a sample that the ray has not passed: below 2,
-    # and at most the extension below 2.5.
+    # Into texel 1 at 2, where the sample is at 2.5. Before it, texel 2 has a sample that the ray has not passed: below
+    # 2, and at most the extension below 2.5.
     for extension in (0.5, 1.0, 2.0):
         for before in (2.125, 2.0, 1.75, 1.5, 1.25, 0.5, 0.25):
             wanted = (0, 2) if before >= 2.0 else (0, 1) if before >= 2.5 - extension else "background"

@@ -1,7 +1,7 @@
 """The reference's points are independent between pixels, replicates, seeds and axes: what a picture shows of it.
 
-Cards close to the lens are seen by every pixel at the same place, so that a pixel's value is a mean over its lens points
-alone, and its error tells one set of points from another.
+Cards close to the lens are seen by every pixel at the same place, so that a pixel's value is a mean over its lens
+points alone, and its error tells one set of points from another.
 """
 
 import numpy as np
@@ -13,10 +13,6 @@ from refdof import Part, ThinLens, reference, render
 
 pytestmark = pytest.mark.fast
 WIDTH, HEIGHT, P, CLOSE = 9, 5, 20.0, 2.0**-10
-
-
-def grey(*shades):
-    return tuple(float(s) for s in shades)
 
 
 def shot():
@@ -35,7 +31,7 @@ def ramp_on_the_lens():
 
 
 def errors_of(**words):
-    """Errors (N, 2) of all pixels and standard errors: a mean over the lens of a linear function is its centre's value."""
+    """Errors (N, 2) of all pixels, and standard errors: the mean of a linear function is its value at the centre."""
     truth = reference(ramp_on_the_lens(), **words)
     right, up = stage.tangents(WIDTH, HEIGHT, P)
     exact = np.stack([0.5 + CLOSE * right / 8.0, 0.5 + CLOSE * up / 8.0], axis=-1)
@@ -166,14 +162,10 @@ def colored_pixels(width, height):
     """A card for every pixel, each of another colour, at depth 1: the picture, and the cards."""
     picture = np.random.default_rng(5).integers(1, 256, (height, width, 3)) / 256.0  # exact in float32
     size = 1.0 / P
-    cards = [
-        stage.rectangle(
-            (i - width / 2) * size, (i + 1 - width / 2) * size, (height / 2 - j - 1) * size, (height / 2 - j) * size, 1.0,
-            grey(*picture[j, i]),
-        )
-        for j in range(height)
-        for i in range(width)
-    ]  # fmt: skip
+    cards = []
+    for j, i in np.ndindex(height, width):
+        left, top = (i - width / 2) * size, (height / 2 - j) * size
+        cards.append(stage.rectangle(left, left + size, top - size, top, 1.0, tuple(picture[j, i].tolist())))
     return picture, stage.scene_of(cards, stage.camera(width, height, P), ThinLens(1e-3, 1.0))
 
 
