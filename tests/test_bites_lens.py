@@ -7,7 +7,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Aperture
+from refdof._jit import tile_kernel
 from refdof.lens_pattern import lens_pattern
+from refdof.opening import lens_point, opening_of
 from refdof.sampling import lens_samples
 
 pytestmark = pytest.mark.fast
@@ -87,3 +89,25 @@ def test_radii_of_a_gaussian_opening_by_its_integral(deviation):
     assert_allclose(points[:-1, 0], radius[:-1], rtol=1e-9)
     assert points[-1, 0] <= 1.0
     assert_allclose(points[:, 1], 0.0, atol=1e-15)
+
+
+@tile_kernel
+def point_of(opening, u, v):
+    return lens_point(opening, u, v)
+
+
+def test_lens_points_of_kernels_by_hand():
+    # A Gaussian is round: along the upper half of the square's middle the radius is that of the right half.
+    opening = opening_of(Aperture.gaussian(0.5))
+    right, up = point_of(opening, 0.8, 0.5), point_of(opening, 0.5, 0.8)
+    assert_allclose(right[0], 0.5 * math.sqrt(-2.0 * math.log(1.0 - 0.36 * (1.0 - math.exp(-2.0)))), rtol=1e-12)
+    assert_allclose([up[1], right[1], up[0]], [right[0], 0.0, 0.0], atol=1e-15)
+    # Two texels side by side, of 1/4 and 3/4 of the light: u = 1/8 is the middle of the left one, u = 5/8 of the right
+    # one. v = 0.9 is a tenth above the lower border.
+    opening = opening_of(Aperture.image(np.array([[1.0, 3.0]])))
+    assert_allclose(point_of(opening, 0.125, 0.9), (-0.5, -0.8), rtol=1e-12)
+    assert_allclose(point_of(opening, 0.625, 0.9), (0.5, -0.8), rtol=1e-12)
+    # One above the other: rows are drawn by v, the first on top.
+    opening = opening_of(Aperture.image(np.array([[1.0], [3.0]])))
+    assert_allclose(point_of(opening, 0.9, 0.125), (0.8, 0.5), rtol=1e-12)
+    assert_allclose(point_of(opening, 0.9, 0.625), (0.8, -0.5), rtol=1e-12)

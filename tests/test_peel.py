@@ -7,6 +7,7 @@ import stage
 from refdof import Part, ThinLens, View
 from refdof._jit import tile_kernel
 from refdof.raster.peel import _insert
+from refdof.raster.umbra import umbra_step
 
 pytestmark = pytest.mark.fast
 
@@ -57,8 +58,12 @@ def card(depth):
 def test_the_very_end_of_an_umbra_is_hidden():
     # A step of 1 / (P E) = 1/2 of inverse depth: 1 hides all up to 2, that included.
     lens = ThinLens(0.5, 2.0)
-    assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens)) == [1.0, 2.0, 4.0]
-    assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens), None, 2) == [1.0, 4.0]
+    assert umbra_step(stage.camera(2, 2, 4.0), lens) == 0.5
+    assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens, (2, 2))) == [1.0, 2.0, 4.0]
+    assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens, (2, 2)), None, 2) == [1.0, 4.0]
+    # A wide lens, 1 / 64: what hides little still hides that.
+    wide = ThinLens(16.0, 2.0)
+    assert depths(view_of([card(d) for d in (1.0, 1.0078125, 2.0)], wide, (2, 2)), None, 2) == [1.0, 2.0]
     assert depths(view_of([card(d) for d in (1.0, 2.125, 4.0)], lens), None, 2) == [1.0, 2.125]
     # Half the extent, half the umbra: 1 hides up to 4/3, 2 hides up to 4.
     assert depths(view_of([card(d) for d in (1.0, 1.25, 2.0, 4.0, 8.0)], lens), None, 1) == [1.0, 2.0, 8.0]
@@ -100,3 +105,22 @@ def test_a_corner_of_two_sides_is_met_once_a_side():
 
 def test_an_edge_of_two_triangles_is_met_once():
     assert depths(view_of([stage.rectangle(-8, 8, -8, 8, 2.0)], ThinLens(1.0, 2.0))) == [2.0]
+
+
+def test_sides_that_alternate_in_number_are_told_apart():
+    # Four triangles around the axis, each of them there twice: as it is, and turned inside out right after it.
+    front, back = fan(2.0, 4), fan(2.0, 4, -1)
+    faces = np.stack([front.faces, back.faces], axis=1).reshape(-1, 3)
+    part = Part(front.vertices, faces, stage.paint((1, 1, 1)))
+    assert depths(view_of([part], ThinLens(1.0, 2.0))) == [2.0, 2.0]
+
+
+def test_more_surfaces_than_room_was_made_for():
+    # The list of hits starts with 256 places.
+    found = depths(view_of([card(1.0 + k / 64.0) for k in range(300)], ThinLens(1.0, 2.0)))
+    assert found == [1.0 + k / 64.0 for k in range(300)]
+
+
+def test_of_many_layers_one_more_than_needed_is_made():
+    layers = view_of([card(1.0), card(2.0)], ThinLens(1.0, 2.0)).layers(20)
+    assert layers.depth[:, 1, 1].tolist() == [1.0, 2.0, np.inf]

@@ -224,3 +224,24 @@ def test_a_tolerance_starts_with_eight_points_a_replicate():
     # Fewer could agree by chance; here all are wanted to.
     _, scene = colored_pixels(2, 1)
     assert_array_equal(reference(scene, tolerance=100.0).samples, 16 * 8)
+
+
+def test_accumulation_takes_one_net_through_pixel_centres():
+    # Four points of one net lie in the four quarters of the lens, two and two of two nets need not.
+    assert_array_equal(render("accumulation", quarters_on_the_lens(), samples=4).image, 0.25)
+    # A card that ends a quarter of a pixel beyond the centre of column 4 covers that pixel, and nothing of the next.
+    card = stage.rectangle(-9, 0.25 / P, -9, 9, 1.0)
+    scene = stage.scene_of([card], shot(), ThinLens(1e-3, 1.0))
+    red = render("accumulation", scene, samples=4).image[..., 0]
+    assert_array_equal(red, np.broadcast_to([1.0] * 5 + [0.0] * 4, red.shape))
+
+
+def test_accumulation_shares_one_pattern_if_asked_and_never_the_references_points():
+    right, _ = stage.tangents(WIDTH, HEIGHT, P)
+
+    def errors(**words):
+        return render("accumulation", ramp_on_the_lens(), samples=4, **words).image[..., 0] - 0.5 - CLOSE * right / 8.0
+
+    assert np.ptp(errors(shared_pattern=True)) < 3e-7  # float32 roundings
+    assert np.ptp(errors()) > 1e-3
+    assert np.abs(errors() - errors(seed=0)).max() > 1e-3
