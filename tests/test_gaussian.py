@@ -128,8 +128,8 @@ def test_an_even_image_stays_even_inside(blur):
 
 
 def test_a_box_takes_what_lies_outside_for_nothing():
-    # Standard deviation 1: three taps of weight 1 and a rim of 1/6, (2 + 2 * 4 / 6) / (3 + 2 / 6) = 1. Light in the last
-    # row and column is spread over three rows and columns, and does not come in again at the other end.
+    # Standard deviation 1: three taps of weight 1 and a rim of 1/6, (2 + 2 * 4 / 6) / (3 + 2 / 6) = 1. Light in the
+    # last row and column is spread over three rows and columns, and does not come in again at the other end.
     planes = np.zeros((1, 8, 9))
     planes[0, 7, 8] = 1.0
     box_blur(planes, 1.0, np.empty_like(planes))

@@ -124,3 +124,10 @@ def test_more_surfaces_than_room_was_made_for():
 def test_of_many_layers_one_more_than_needed_is_made():
     layers = view_of([card(1.0), card(2.0)], ThinLens(1.0, 2.0)).layers(20)
     assert layers.depth[:, 1, 1].tolist() == [1.0, 2.0, np.inf]
+
+
+def test_edges_that_share_a_corner_are_apart_where_the_ray_meets_them():
+    # Two triangles that fold apart from a corner at the left: on the axis their lower edges are at 2 and at 2.0002.
+    corners = [[-1, 0, -2], [1, 0, -2], [0, 2, -2], [1, 0, -2.0004], [0, 2, -2.0004]]
+    part = Part(corners, [[0, 1, 2], [0, 3, 4]], stage.paint((1, 1, 1)))
+    np.testing.assert_allclose(depths(view_of([part], ThinLens(1.0, 2.0))), [2.0, 2.0002], rtol=1e-7)
