@@ -128,6 +128,25 @@ def test_poisson_keeps_a_pixel_whose_taps_weigh_nothing():
     assert np.array_equal(image[12, 12], color[12, 12])
 
 
+def test_blur_code_is_linear_in_distance_on_either_side():
+    # In focus at 2, from 1 to 10: 3 is an eighth of the way behind, 1.5 half the way in front.
+    depth = np.array([[1.0, 1.5, 2.0, 3.0, 6.0, 10.0, np.inf]])
+    code = poisson._code(depth, 4.0 * (0.5 - 1.0 / depth), poisson.Params())
+    np.testing.assert_allclose(code, [[0.0, 0.25, 0.5, 0.5625, 0.75, 1.0, 1.0]], rtol=1e-12)
+
+
+def test_poisson_counts_taps_as_blurred_as_the_centre_in_full():
+    # A row whose left half has code 3/4 and is black, and whose right half has code 1/4 and is white. At the border six
+    # taps fall on either side, all far from it: 60 px times 0.185 at least. The left ones are as far back as the pixel
+    # and count 1, the right ones are nearer and count |2 / 4 - 1|.
+    coc = np.repeat([60.0, -60.0], 256)[None]
+    color = np.repeat([0.0, 1.0], 256)[None, :, None] * np.ones(3)
+    image = poisson.blur(color, np.full((1, 512), 2.0), coc, poisson.Params("thin_lens", 120.0))
+    np.testing.assert_allclose(image[0, 255], 3.0 / 9.0, rtol=1e-12)
+    # Seen from the right, the left ones lie behind and count in full, too; so do those as blurred as the pixel.
+    np.testing.assert_allclose(image[0, 256], 6.0 / 12.0, rtol=1e-12)
+
+
 @pytest.mark.parametrize("circle", [2.0, 5.0])
 def test_separable_even_blur_is_a_square_of_tents(circle):
     # One circle everywhere, whole: all neighbours but the outermost count alike: a box of 2 r - 1, and ends of 0.

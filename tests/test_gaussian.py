@@ -141,3 +141,19 @@ def test_an_even_image_stays_even(blur):
     planes = np.full((1, 41, 43), 0.75)
     assert blurred(blur, planes, 2.5)[0, 20, 21] == pytest.approx(0.75, rel=1e-14)
     np.testing.assert_allclose(blurred(blur, planes, 2.5, clamp=True), 0.75, rtol=1e-14)
+
+
+def test_a_box_takes_what_lies_outside_for_nothing():
+    # Standard deviation 1: three taps of weight 1 and a rim of 1/6, (2 + 2 * 4 / 6) / (3 + 2 / 6) = 1. Light in the
+    # last row and column is spread over three rows and columns, and does not come in again at the other end.
+    planes = np.zeros((1, 8, 9))
+    planes[0, 7, 8] = 1.0
+    box_blur(planes, 1.0, np.empty_like(planes))
+    spread = np.array([0.05, 0.3, 0.3])
+    wanted = np.zeros((8, 9))
+    wanted[5:, 6:] = spread[:, None] * spread
+    np.testing.assert_allclose(planes[0], wanted, atol=1e-15)
+    mirrored = np.zeros((1, 8, 9))
+    mirrored[0, 0, 0] = 1.0
+    box_blur(mirrored, 1.0, np.empty_like(planes))
+    np.testing.assert_allclose(mirrored[0], wanted[::-1, ::-1], atol=1e-15)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, fetch_units
+from refdof.raster.anisotropic import foreground_blur, halve
 from refdof.raster.gpu_model import LLVMPIPE, store
 from refdof.raster.mipmap import gaussian_mipmaps
 from refdof.trace import Trace
@@ -114,6 +115,73 @@ def test_one_pixel_of_blur_by_hand():
     beside = math.exp(-0.5) + 2 * math.exp(-1) * inward * (1 - inward)
     assert image[2, 1, 0] == pytest.approx(beside / total, rel=1e-14)
     assert image[1, 1, 0] == pytest.approx(math.exp(-1) * inward**2 / total, rel=1e-14)
+
+
+def circles_of(row, height=2):
+    """Circles (H, W, 2) of equal rows: signed radius and size."""
+    signed = np.tile(np.array(row, float), (height, 1))
+    return np.stack([signed, np.abs(signed)], axis=-1)
+
+
+def coarse_red(circles, delta):
+    """The next level's red, where column x of the finer one has red 4^x; with its columns as rows, too."""
+    height, width = circles.shape[:2]
+    color = np.zeros((height, width, 4))
+    color[..., 0] = 4.0 ** np.arange(width)
+    out = []
+    for turn in (lambda image: image, lambda image: np.ascontiguousarray(image.swapaxes(0, 1))):
+        fine, sizes = turn(color), turn(circles)
+        half = fine.shape[0] // 2, fine.shape[1] // 2
+        red, coarse = np.empty((*half, 4)), np.empty((*half, 2))
+        halve(fine, sizes, delta, red, coarse)
+        out.append(turn(red)[0, :, 0])
+    np.testing.assert_allclose(out[0], out[1], rtol=1e-14)
+    return out[0]
+
+
+def weighted(left, centre, right, keep):
+    """Mean of three taps, Gaussian at distance 1, 0, 1, of those to keep."""
+    weights = np.array([math.exp(-0.5), 1.0, math.exp(-0.5)]) * keep
+    return weights @ [left, centre, right] / weights.sum()
+
+
+def test_a_tap_may_be_sharper_by_delta_and_no_more():
+    # Four columns: the coarse texels' taps are read at columns 0, 1/2, 3/2 and at 3/2, 5/2, 3: reds (1, 2.5, 10) and
+    # (10, 40, 64). Blur 1, 1, 0, 0 makes 1, 1, 1/2 and 1/2, 0, 0; turned round 0, 0, 1/2 and 1/2, 1, 1.
+    one, two = (1.0, 2.5, 10.0), (10.0, 40.0, 64.0)
+    for delta, kept in ((0.5, True), (0.4375, False), (0.0, False), (math.inf, True)):
+        red = coarse_red(circles_of([1, 1, 0, 0]), delta)
+        np.testing.assert_allclose(red, [weighted(*one, [1, 1, kept]), weighted(*two, [1, 1, 1])], rtol=1e-14)
+        red = coarse_red(circles_of([0, 0, 1, 1]), delta)
+        np.testing.assert_allclose(red, [weighted(*one, [1, 1, 1]), weighted(*two, [kept, 1, 1])], rtol=1e-14)
+
+
+def test_only_a_blurred_background_leaves_taps_out():
+    # Taps 0: -1, 0 and 1/2 at centre, sizes 1, 1, 1/2. In focus on the whole, and in front of it: all taps count.
+    one = (1.0, 2.5, 10.0)
+    for row in ([-1, 1, 0, 0], [-1, -1, 0, 0], [-1.5, 1, 0, 0]):
+        assert coarse_red(circles_of(row), 0.25)[0] == pytest.approx(weighted(*one, [1, 1, 1]), rel=1e-14)
+    # A little behind: sizes 1, 9/8, 5/8; the right tap is 1/2 sharper.
+    assert coarse_red(circles_of([-1, 1.25, 0, 0]), 0.25)[0] == pytest.approx(weighted(*one, [1, 1, 0]), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("row", "blur_of_nearer"),
+    [
+        ([-1, -1, -1, -4], [0, 4]),  # taps -1, -1, -1 and -1, -5/2, -4
+        ([-4, -1, -1, -1], [4, 0]),
+        ([-3, -3, -3, -3], [0, 0]),  # as near as the centre is not nearer
+        ([-4, -4, -1, -1], [0, 2.5]),  # taps -4, -4, -5/2 and -5/2, -1, -1
+        ([2, 2, 2, -1], [0, 1]),  # the centre 1/2 behind
+        ([3, 3, 3, 1], [0, 0]),  # nearer, but behind the focal plane
+    ],
+)
+def test_the_blur_of_nearer_neighbours_by_hand(row, blur_of_nearer):
+    # Taps as in the test above, at columns 0, 1/2, 3/2 and 3/2, 5/2, 3.
+    circles = circles_of(row)
+    np.testing.assert_array_equal(foreground_blur(circles, 1, 2), [blur_of_nearer])
+    upright = np.ascontiguousarray(circles.swapaxes(0, 1))
+    np.testing.assert_array_equal(foreground_blur(upright, 2, 1)[:, 0], blur_of_nearer)
 
 
 def test_only_what_is_in_front_blurs_its_neighbours():

@@ -11,8 +11,8 @@ from hypothesis import given
 from scipy import ndimage
 
 from refdof._check import InputError
-from refdof._jit import thread_count, use_threads
-from refdof.raster.nbuffer import n_buffer, query
+from refdof._jit import thread_count, tile_kernel, use_threads
+from refdof.raster.nbuffer import highest_in, lowest_in, n_buffer, query
 
 SIZES = [(1, 1), (1, 9), (7, 1), (2, 2), (13, 17), (16, 16), (5, 33)]
 
@@ -285,3 +285,30 @@ def test_levels_in_any_memory_order_answer_alike():
 def test_levels_that_do_not_fit_are_named(change):
     with pytest.raises(InputError, match="nbuffer: got levels of shape"):
         query(n_buffer(made_up((20, 30)))._replace(**change), [0], [0], [1], [1])
+
+
+@tile_kernel
+def answers_of_kernels(lowest, highest, block, rectangles, out):
+    for k in range(len(rectangles)):
+        x0, y0, x1, y1 = rectangles[k, 0], rectangles[k, 1], rectangles[k, 2], rectangles[k, 3]
+        out[k, 0] = lowest_in(lowest, block, x0, y0, x1, y1, False)
+        out[k, 1] = highest_in(highest, block, x0, y0, x1, y1, False)
+
+
+@pytest.mark.parametrize("block", [1, 2, 4])
+def test_kernels_miss_no_pixel_of_any_rectangle(block):
+    # Every rectangle of a small picture of numbers in any order.
+    depth = np.random.default_rng(11).permutation(7 * 6).reshape(6, 7).astype(np.float64)
+    buffer = n_buffer(depth, block=block)
+    rectangles = np.array(
+        [(x0, y0, x1, y1) for x0 in range(7) for x1 in range(x0, 7) for y0 in range(6) for y1 in range(y0, 6)]
+    )
+    out = np.empty((len(rectangles), 2))
+    answers_of_kernels(buffer.lowest, buffer.highest, block, rectangles, out)
+    parts = [depth[y0 : y1 + 1, x0 : x1 + 1] for x0, y0, x1, y1 in rectangles]
+    # Squares may reach past a rectangle, but not past the picture, and never fall short of it.
+    assert (out[:, 0] <= [part.min() for part in parts]).all()
+    assert (out[:, 1] >= [part.max() for part in parts]).all()
+    if block == 1:  # as the array's door answers
+        answer = query(buffer, *rectangles.T)
+        np.testing.assert_array_equal(out, np.stack([answer.lowest, answer.highest], axis=1))

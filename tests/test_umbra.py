@@ -78,6 +78,20 @@ def test_empty_pixels_equal_depths_and_pinholes():
     assert survivors(np.full((2, 3, 4), np.inf), CAMERA, LENS).shape == (0, 3, 4)
 
 
+def test_a_surface_at_the_umbras_very_end_is_still_hidden():
+    # A step of 1/4 in inverse depth: what is at 1 hides up to 3/4, and only what lies beyond is seen.
+    lens = ThinLens(1.0, 2.0)
+    camera = Camera((0, 0, 0), (0, 0, -1), fov_y=2.0 * np.degrees(np.arctan(0.25)), size=(2, 2))
+    assert umbra_step(camera, lens) == 0.25  # 1 / (P E), with P = 2 / (2 / 4)
+    depths = [1.0, 4.0 / 3.0, 2.0, 4.0, 8.0]  # 1, 3/4, 1/2, 1/4, 1/8
+    np.testing.assert_array_equal(survivors(stack(depths), camera, lens)[:, 0, 0], [0, 2, 4])
+    np.testing.assert_array_equal(survivors(stack([1.0, 1.375]), camera, lens)[:, 0, 0], [0, 1])
+
+
+def test_some_layer_is_always_needed():
+    assert worst_case_layers(CAMERA, LENS, 3.0, 3.0) == 1
+
+
 @pytest.mark.parametrize(
     ("depth", "extent", "message"),
     [
@@ -86,6 +100,7 @@ def test_empty_pixels_equal_depths_and_pinholes():
         (stack([np.nan, 1.0]), 2, "depth: has 1 NaN"),
         (np.ones((2, 2)), 2, "depth: got shape"),
         (stack([1.0, 2.0]), 3, "extent_px: got 3"),
+        (stack([1.0, 2.0]), 0, "extent_px: got 0"),
     ],
 )
 def test_bad_input(depth, extent, message):
