@@ -19,6 +19,7 @@ __all__ = ["Aperture"]
 
 _FIELDS = ("boundary", "weights", "scale", "deviation")
 _LEAST_SCALE = 1e-6  # of an anamorphic squeeze: a slit, still wider than roundings
+_MOST_SCALE = 4.0  # darts fall on openings wider than the lens
 _ARC_SEGMENTS = 64  # per curved blade: the inscribed chords lose 1.8e-4 of the area with three blades, less with more
 
 
@@ -34,7 +35,7 @@ class Aperture:
     weights : (h, w) float64
         Transmission over the square [-1, 1]^2, row 0 at the top; empty unless made from an image.
     scale : (x, y)
-        Anamorphic squeeze, each in (0, 1].
+        Anamorphic squeeze, each in (0, 1] for openings inside the lens disc; up to 4 is taken.
     deviation : float
         Standard deviation of a Gaussian opening [lens radii]; inf: transmission is even.
     """
@@ -51,7 +52,7 @@ class Aperture:
         weights = as_float("weights", self.weights, (None, None), dtype=np.float64, minimum=0.0, maximum=1.0)
         if weights.size and not weights.any():
             raise InputError("weights: got zeros only; allowed is an opening that lets light through")
-        scale = as_float("scale", self.scale, (2,), dtype=np.float64, minimum=_LEAST_SCALE, maximum=1.0)
+        scale = as_float("scale", self.scale, (2,), dtype=np.float64, minimum=_LEAST_SCALE, maximum=_MOST_SCALE)
         deviation = as_number("deviation", self.deviation, above=0.0, finite=False)
         for name, value in zip(_FIELDS, (boundary, weights, tuple(scale.tolist()), deviation), strict=True):
             object.__setattr__(self, name, value)

@@ -63,6 +63,7 @@ def compare(
     """
     view = view_of(scene, camera, lens)
     as_function("progress", progress)
+    as_function("announce", announce)
     if isinstance(methods, str) or not isinstance(methods, Sequence):
         raise InputError(f"methods: got {type(methods).__name__}; allowed is a list of names")
     for name in methods:
@@ -74,7 +75,7 @@ def compare(
         width, height = view.camera.size
         raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
     values = {name: dict(given.get(name, {})) for name in methods}
-    chosen = _distinct(values, (preset,) if isinstance(preset, str) else preset)
+    chosen = _distinct(values, _presets(preset))
     tell = progress or (lambda _what, _done, _all: None)
 
     def step(done: int, count: int) -> None:
@@ -117,10 +118,16 @@ def compare(
     )
 
 
+def _presets(preset: Any) -> list[str]:
+    """The presets that are asked for, one or more."""
+    several = [preset] if isinstance(preset, str) or not isinstance(preset, Sequence) else list(preset)
+    if not several:
+        raise InputError(f"preset: got none; allowed are {', '.join(PRESETS)}")
+    return [as_choice("preset", one, PRESETS) for one in several]
+
+
 def _distinct(values: Mapping[str, Mapping[str, Any]], presets: Sequence[str]) -> list[tuple[str, str]]:
     """Method and preset of each row; presets that give a method the same parameters make one row."""
-    if not presets:
-        raise InputError(f"preset: got none; allowed are {', '.join(PRESETS)}")
     rows = []
     for name, given in values.items():
         seen: list[Any] = []

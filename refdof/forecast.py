@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdof._check import as_number
+from refdof._check import as_instance, as_number
 from refdof._jit import run_tasks
 from refdof.camera import Camera
 from refdof.error_bar import excess
 from refdof.lens import ThinLens
-from refdof.reference import MAX_SAMPLES, REPLICATES, as_most
+from refdof.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
 from refdof.scene import Scene
 from refdof.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
 from refdof.view import View, view_of
@@ -79,6 +79,8 @@ def forecast(
 
 def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLES, seed: int = 0) -> Forecast:
     """`forecast` of a view whose products are shared."""
+    as_instance("view", view, View)
+    seed = as_seed(seed)
     tolerance = as_number("tolerance", tolerance, above=0.0)
     most = as_most(max_samples)
     if view.lens.radius == 0.0:

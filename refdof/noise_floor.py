@@ -25,8 +25,7 @@ __all__ = ["GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
 
 GROUPS = 16  # of estimates
 _LEVELS = 4  # 1, 2, 4, 8 groups
-_DOUBLINGS = 16  # after which a bias counts as gone
-_NORMAL = 0.5  # variance of twice as many groups over that of so many, for noise that passes the curve by its slope
+_LEAST_RATIO = 0.35  # of variances of twice as many groups: 0.5 for normal noise, less where white clips it
 
 
 def noise_floor_psnr(reference: Any, standard_error: Any) -> float:
@@ -139,22 +138,16 @@ def floor_of_moments(moments: Float, values: int, replicates: int) -> float:
     """PSNR ceiling [dB] from summed `noise_moments` of so many values; inf without noise.
 
     While most groups miss a lamp, neither variance nor bias falls with n; then both fall ever faster, until variance
-    halves as n doubles. So each ratio of neighbours changes on by the same factor, and the variance's ends at 1/2.
+    about halves as n doubles. So the ratio of neighbours goes on changing, half as much, and bias falls by half at
+    least. On the built-in scenes the floor is met within half a decibel from 64 samples on; where a single jump decides
+    the whole picture, one decibel was seen.
     """
     variance, change = moments[:_LEVELS], np.maximum(moments[_LEVELS:], 0.0)
-    if not variance[-1] > 0.0:
+    if not variance.all():
         return math.inf
     before, last = variance[-2] / variance[-3], variance[-1] / variance[-2]
-    rest = variance[-1] * min(max(last * last / before, _NORMAL), 1.0)
+    rest = variance[-1] * min(max(last * math.sqrt(last / before), _LEAST_RATIO), 1.0)
     rest *= GROUPS * (replicates // GROUPS) / replicates
-    bias = 0.0
-    if change.all():
-        before, last = change[-2] / change[-3], change[-1] / change[-2]
-        bend = min(last / before, 1.0)
-        ratio = min(last * bend, 1.0)
-        step = change[-1] * ratio  # from 8 to 16 groups: that is in the picture already
-        for _ in range(_DOUBLINGS):
-            ratio *= bend
-            step *= ratio
-            bias += step
+    ratio = min(change[-1] / change[-2], 0.5) if change[-2] > 0.0 else 0.5
+    bias = change[-1] * ratio * ratio / (1.0 - ratio)  # without the step from 8 to 16 groups, which is made
     return 10.0 * math.log10(values / (rest + bias))

@@ -40,6 +40,7 @@ __all__ = [
     "REPLICATES",
     "Reference",
     "as_most",
+    "as_seed",
     "reference",
     "reference_of_view",
 ]
@@ -164,6 +165,11 @@ def as_most(max_samples: Any) -> int:
     return as_integer("max_samples", max_samples, minimum=REPLICATES, maximum=1 << MAX_LOG2)
 
 
+def as_seed(seed: Any) -> int:
+    """Return `seed` if it is allowed."""
+    return as_integer("seed", seed, minimum=0, maximum=2**32 - 1)
+
+
 def estimate(
     view: View,
     replicates: int,
@@ -174,7 +180,7 @@ def estimate(
     progress: Callable[[int, int], None] | None = None,
 ) -> Reference:
     """`reference_of_view` without the lower limit on replicates."""
-    seed = as_integer("seed", seed, minimum=0, maximum=2**32 - 1)
+    seed = as_seed(seed)
     box = as_choice("pixel_filter", pixel_filter, PIXEL_FILTERS) == "box"
     shared_pattern = as_bool("shared_pattern", shared_pattern)
     began = time.perf_counter()

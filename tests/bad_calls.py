@@ -19,6 +19,7 @@ import numpy as np
 import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
+from refdof.forecast import forecast_of_view
 from refdof.image_file import load_image, png_bytes, save_image
 from refdof.lens_pattern import lens_pattern
 from refdof.load import load_scene
@@ -117,6 +118,7 @@ _REFERENCE = {
     "pixel_filter": "centre",
     "shared_pattern": False,
     "progress": None,
+    "max_samples": 64,
 }
 _SHOT = {"scene": SCENE, "camera": CAMERA, "lens": LENS}
 _APERTURE = {"boundary": np.zeros((0, 2)), "weights": np.zeros((0, 0)), "scale": (1.0, 1.0), "deviation": INF}
@@ -156,6 +158,9 @@ DOORS: dict[str, Door] = {
             "tolerance": None,
             "seed": 0,
             "progress": None,
+            "preset": "best",
+            "max_samples": 64,
+            "announce": None,
         },
         {"methods": ("params",), "camera": ("size",)},
         any_result=True,  # PSNR of identical pictures
@@ -164,6 +169,12 @@ DOORS: dict[str, Door] = {
     "refdof.display.display_slope": Door(refdof.display.display_slope, {"linear": COLOR}, {"linear": ("image",)}),
     "refdof.display.linear_from_display": Door(refdof.display.linear_from_display, {"encoded": COLOR}),
     "refdof.display.to_8_bit": Door(refdof.display.to_8_bit, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.forecast.forecast": Door(
+        refdof.forecast, {"scene": EVEN, "tolerance": 0.1, "max_samples": 64, "seed": 0, "camera": CAMERA, "lens": LENS}
+    ),
+    "refdof.forecast.forecast_of_view": Door(
+        forecast_of_view, {"view": View(EVEN, CAMERA, LENS), "tolerance": 0.1, "max_samples": 64, "seed": 0}
+    ),
     "refdof.image_file.load_image": Door(load_image, {"path": "picture.npy"}),
     "refdof.image_file.png_bytes": Door(png_bytes, {"linear": COLOR}, {"linear": ("image",)}),
     "refdof.image_file.save_image": Door(
@@ -299,16 +310,21 @@ DOORS: dict[str, Door] = {
         {"camera": CAMERA, "lens": LENS, "near": 1.0, "far": 9.0, "extent_px": 2},
         {"near": ("far",)},
     ),
-    "refdof.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE),
+    "refdof.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE, any_result=True),
     "refdof.reference.reference_of_view": Door(
         reference_of_view,
         {"view": View(EVEN, CAMERA, LENS)} | {k: v for k, v in _REFERENCE.items() if k not in ("camera", "lens")},
+        any_result=True,  # no noise: a floor of infinity
     ),
     "refdof.rendering.make_params": Door(
-        make_params, {"method": "scatter", "values": {"order": "none"}}, {"values": ("parameter of scatter",)}
+        make_params,
+        {"method": "scatter", "values": {"order": "none"}, "preset": "best"},
+        {"values": ("parameter of scatter",)},
     ),
-    "refdof.rendering.render": Door(refdof.render, {"method": "scatter", "stages": False} | _SHOT),
-    "refdof.rendering.render_view": Door(render_view, {"method": "scatter", "view": _view(), "stages": False}),
+    "refdof.rendering.render": Door(refdof.render, {"method": "scatter", "stages": False, "preset": "best"} | _SHOT),
+    "refdof.rendering.render_view": Door(
+        render_view, {"method": "scatter", "view": _view(), "stages": False, "preset": "best"}
+    ),
     "refdof.sampling.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
@@ -351,23 +367,27 @@ for _name, _module in METHODS.items():
 
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "atomic", "cli", "comparison", "error_bar", "fetches", "gltf_camera", "lens_rays", "method_facts", "normals",
-    "opening", "owen", "promises", "report", "scenes", "shading", "shot", "small_lights", "suggest", "surfaces",
-    "trace", "raster.anisotropic", "raster.attributes", "raster.bins", "raster.clip", "raster.decomposition",
+    "atomic", "cli", "comparison", "error_bar", "fetches", "gltf_camera", "lens_maps", "lens_rays", "lens_shape",
+    "method_facts", "normals", "opening", "owen", "poisson_disc", "promises", "report", "scenes", "shading", "shot",
+    "small_lights", "suggest", "surfaces", "tile_sampler", "trace", "raster.anisotropic", "raster.attributes",
+    "raster.bins", "raster.clip", "raster.decomposition",
     "raster.depth_format", "raster.disc", "raster.filters", "raster.footprint", "raster.gaussian", "raster.halving",
     "raster.height_field", "raster.layer_color", "raster.layer_trace", "raster.magnify", "raster.peel",
     "raster.planar", "raster.pyramid", "raster.quick_blurs", "raster.ray_doubt", "raster.raycast", "raster.reads",
     "raster.squares", "raster.texel_walk",
 }  # fmt: skip
 INNER = {
-    "refdof.aperture.concentric_disc",
-    "refdof.aperture.gaussian_stretch",
     "refdof.compare.warm_up",
+    "refdof.display.encode",
+    "refdof.display.encode_one",
+    "refdof.forecast.Forecast",
     "refdof.lens_pattern.LensPattern",
     "refdof.lens_pattern.mean_nearest_distance",
     "refdof.methods.cascaded.layering_of",
     "refdof.methods.multiview.cone_width",
     "refdof.methods.singlepass.spiral",
+    "refdof.noise_floor.floor_of_moments",
+    "refdof.noise_floor.noise_moments",
     "refdof.raster.ambiguity.tied_depths",
     "refdof.raster.matting.matte",
     "refdof.raster.nbuffer.Extremes",
@@ -379,6 +399,8 @@ INNER = {
     "refdof.raster.triangles.Raster",
     "refdof.raster.umbra.reach_beyond",
     "refdof.reference.Reference",
+    "refdof.reference.as_most",
+    "refdof.reference.as_seed",
     "refdof.rendering.Result",
     "refdof.view.Booking",
     "refdof.view.Pinhole",

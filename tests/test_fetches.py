@@ -1,6 +1,7 @@
 """Fetch accounting: the sums of table 1 in Lee, Kim and Choi (2009), and what `refdof methods` makes of them."""
 
 import math
+from types import MappingProxyType
 
 import pytest
 
@@ -78,6 +79,7 @@ def test_facts_in_words():
 def test_a_method_without_a_count_depends_on_the_scene():
     class Module:
         CITATION = "nobody2026"
+        PAPER = MappingProxyType({})
         Params = object
 
     facts = facts_of(Module, 64, 48)

@@ -12,9 +12,7 @@ from refdof.methods._multiview_trace import culled_layers, trace_hits
 from refdof.raster.height_field import Search, fields_of
 
 pytestmark = pytest.mark.fast
-SEARCH = Search(
-    middle=False, steps=3, bisections=5, thickness=0.0, march=False, culling=False, discard=False, holes=False
-)
+SEARCH = Search(middle=False, steps=3, bisections=5, wall=0.0, march=False, culling=False, discard=False, holes=False)
 
 
 def one_set(*points):
@@ -55,7 +53,7 @@ def test_two_steps_of_false_position():
 def test_halving_a_known_number_of_times():
     # The middle, 4, lies over texel 6, 1 high: the ray is behind it. 2, 3 and 3.5 are still over empty texels, 3.75 and
     # 3.625 over texel 6 again. A wall of any height is surface here.
-    words = {"middle": True, "thickness": np.inf}
+    words = {"middle": True, "wall": np.inf}
     assert hit({6: 1.0}, 0, 8, 10, bisections=5, **words) == (6, 3.625)
     assert hit({6: 1.0}, 0, 8, 10, bisections=4, **words) == (6, 3.75)
     assert hit({6: 1.0}, 0, 8, 10, bisections=0, **words) == (6, 4.0)
@@ -94,10 +92,11 @@ def test_a_texel_holds_its_left_and_upper_border(march, upright):
 
 
 @pytest.mark.parametrize("upright", [False, True])
-def test_a_texel_does_not_hold_its_right_and_lower_border(upright):
-    # At c = -1 pixel 2 is over 3.0, in texel 3. Texel 2 is as low as that: the ray is above it in all of the texel.
+def test_a_ray_on_a_border_is_over_both_texels(upright):
+    # At c = -1 pixel 2 is over 3.0, from texel 3 to texel 2. A little lower, texel 2 is below all of the ray.
     words = {"lens": (0.5, 0.0), "width": 5, "upright": upright}
-    assert hit({2: -1.0}, -1, 0, 2, **words) is None
+    assert hit({2: -1.0}, -1, 0, 2, **words) == (2, -1.0)
+    assert hit({2: -1.001}, -1, 0, 2, **words) is None
     assert hit({3: -1.0}, -1, 0, 2, **words) == (3, -1.0)
     assert hit({2: -0.75}, -1, 0, 2, **words) == (2, -0.75)
 
@@ -135,6 +134,7 @@ def test_a_ray_may_leave_within_any_layer(order, culling):
     coc = np.full((2, 9, 8), np.inf)
     near, far = np.array([-3.0, -0.25])[::order], np.array([-2.75, 0.25])[::order]
     coc[0 if order == 1 else 1], coc[1 if order == 1 else 0] = np.inf, 0.0
+    coc[0 if order == 1 else 1, 0, 4] = -2.9  # in no ray's way: rays do not leave within a layer that holds nothing
     search = SEARCH._replace(discard=True, culling=culling)
     found = trace_hits(fields_of(coc, near, far, 1.0), one_set((1.0, 0.0)), search).layer[4, :, 0]
     # Over x + 1/2 + 3 at the first: inside up to pixel 4. A ray that meets something before it leaves stays.
@@ -155,7 +155,7 @@ def test_culling_changes_no_bit_where_the_border_goes_on(seed, march):
     coc[random.random(coc.shape) < 0.3] = np.inf
     fields = fields_of(coc, near, far, 1.0)
     pattern = one_set((0.9, 0.1), (-0.5, 0.7), (0.0, -1.0), (-1.0, 0.0))
-    on = SEARCH._replace(culling=True, march=march, thickness=0.5)
+    on = SEARCH._replace(culling=True, march=march, wall=0.5)
     assert 0.05 < culled_layers(fields, on).mean() < 0.9
     for a, b in zip(
         trace_hits(fields, pattern, on), trace_hits(fields, pattern, on._replace(culling=False)), strict=True
@@ -168,7 +168,9 @@ def test_only_layers_out_of_reach_are_culled():
     # own pixel may keep more, up to 3 + 1 px on either side.
     coc = np.full((1, 1, 24), np.inf)
     coc[0, 0, 12] = 2.0
-    culled = culled_layers(fields_of(coc, np.array([2.0]), np.array([2.0]), 1.0), SEARCH._replace(culling=True))[0, 0]
+    culled = culled_layers(
+        fields_of(coc, np.array([2.0]), np.array([2.0]), 1.0, wall=0.0), SEARCH._replace(culling=True)
+    )[0, 0]
     assert not culled[10:15].any()
     assert culled[: 12 - 2 - 4].all()
     assert culled[12 + 2 + 4 + 1 :].all()
@@ -186,7 +188,7 @@ def test_only_layers_out_of_reach_are_culled():
     ],
 )
 def test_reach_holds_the_blur_and_little_more(near, far, largest, widening, least):
-    fields = fields_of(np.full((1, 3, 9), np.inf), np.array([near]), np.array([far]), largest, widening)
+    fields = fields_of(np.full((1, 3, 9), np.inf), np.array([near]), np.array([far]), largest, widening, 0.0)
     assert least <= fields.reach[0] <= least + 2.0
 
 
@@ -194,7 +196,7 @@ def test_reach_holds_the_blur_and_little_more(near, far, largest, widening, leas
 
 
 def doubt(heights, far, pixel=2, near=0.0, width=5, **words):
-    search = SEARCH._replace(thickness=0.5, **words)
+    search = SEARCH._replace(wall=0.5, **words)
     fields = fields_of(field(width, heights), np.array([near]), np.array([float(far)]), 1.0)
     return bool(trace_hits(fields, one_set((0.5, 0.0)), search).ambiguous[0, pixel, 0])
 

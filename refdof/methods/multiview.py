@@ -193,7 +193,8 @@ class Params:
         as_choice("start", self.start, STARTS)
         settle("steps", as_integer("steps", self.steps, minimum=1, maximum=64))
         settle("bisections", as_integer("bisections", self.bisections, minimum=0, maximum=64))
-        settle("wall_px", as_number("wall_px", self.wall_px, minimum=0.0, finite=False))
+        wall = as_number("wall_px", self.wall_px, minimum=0.0, finite=False)
+        settle("wall_px", wall if wall < 1e30 else math.inf)  # float32 holds no more
         as_bool("culling", self.culling)
         as_bool("view_dependent", self.view_dependent)
         as_choice("offscreen", self.offscreen, OFFSCREEN)

@@ -113,10 +113,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     InputError
         If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
         above 0.
-
-    Notes
-    -----
-    Sums of reads must fit the type: in float32, colours stay right up to 1e37.
     """
     as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)

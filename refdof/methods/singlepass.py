@@ -118,8 +118,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
 
     Notes
     -----
-    Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept. The sum of
-    all taps must fit the type: in float32, colours stay right up to 8e35.
+    Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept.
     """
     as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)

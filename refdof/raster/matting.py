@@ -68,7 +68,7 @@ def layer_coordinate(depth: Float, bounds: Float, boundary: str = "extrapolate",
         raise InputError(f"bounds: got {bounds.tolist()}; allowed are two or more ascending depths, the last maybe inf")
     as_choice("boundary", boundary, BOUNDARIES)
     depth = as_float("depth", depth, shape_of("depth", depth), dtype=np.float64, finite=False, nan=True)
-    if dtype not in (np.float32, np.float64):
+    if not isinstance(dtype, type) or dtype not in (np.float32, np.float64):
         raise InputError("dtype: allowed are float32 and float64")
     if depth.size == 0:
         return np.empty(depth.shape, dtype=dtype)
