@@ -135,12 +135,13 @@ def test_symmetry(name):
 
 @pytest.mark.parametrize("name", promising("occlusion"))
 def test_occlusion(name):
-    bar = quad(-0.05, -9, 0.05, 9, 2.0, (0, 0, 0))
+    half = 2.0 / CAMERA.pixels_per_tangent  # one pixel at depth 2: the bar covers two columns whole
+    bar = quad(-half, -9, half, 9, 2.0, (0, 0, 0))
     wall = quad(-9, -9, 9, 9, 0.0, (0.9, 0.9, 0.9))
     image = render(name, stage(bar, wall, radius=0.25)).image
-    # At depth 2, half-way to the focal plane, the ray of lens point v is at 2 x + 0.125 v, with x = -1/2 px. The bar, a
-    # little wider than a pixel, hides the v between its sides.
+    # At depth 2, half-way to the focal plane, the ray of lens point v is at 2 x + 0.125 v, with x = -1/2 px. The bar
+    # hides the v between its sides.
     x = -0.5 / CAMERA.pixels_per_tangent
-    low, high = ((side - 2.0 * x) / 0.125 for side in (-0.05, 0.05))
+    low, high = ((side - 2.0 * x) / 0.125 for side in (-half, half))
     shown = 1.0 - (half_disc(high) - half_disc(low))
     assert image[8, 11, 0] == pytest.approx(0.9 * shown, abs=0.1)

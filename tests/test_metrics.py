@@ -262,7 +262,7 @@ BAD_IMAGES = {
     "four channels": (np.full((12, 13, 4), 0.5), "image: got shape"),
     "grey": (np.full((12, 13), 0.5), "image: got shape"),
     "8 bits": (np.full((12, 13, 3), 128, dtype=np.uint8), "image: got uint8"),
-    "words": ("picture", "image: got 'picture'; allowed are numbers"),
+    "words": ("picture", "image: got an array of <U7, shape"),
 }
 METRICS = ["rmse", "rel_mse", "max_abs", "psnr", "psnr_8bit", "ssim", "flip", "scores"]
 
