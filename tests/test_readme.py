@@ -15,10 +15,10 @@ def test_method_table_agrees_with_the_modules():
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.strip().splitlines()]
     assert [row[0].strip("`") for row in rows] == list(METHODS)
     for name, source, inputs, promises in rows:
-        module = METHODS[name.strip("`")]
-        assert source == module.SOURCE + (" (reconstruction)" if module.RECONSTRUCTION else "")
-        assert tuple(inputs.split(", ")) == module.INPUTS
-        assert tuple(promises.split(", ")) == METHODS[name.strip("`")].PROMISES
+        record = METHODS[name.strip("`")].METHOD
+        assert source == record.origin
+        assert tuple(inputs.split(", ")) == record.inputs
+        assert tuple(promises.split(", ")) == record.promises
 
 
 def test_every_dependency_has_its_reason():
