@@ -386,6 +386,7 @@ INNER = {
     "refdof.methods.cascaded.layering_of",
     "refdof.methods.multiview.cone_width",
     "refdof.methods.singlepass.spiral",
+    "refdof.metrics.Metric",
     "refdof.noise_floor.floor_of_moments",
     "refdof.noise_floor.noise_moments",
     "refdof.raster.ambiguity.tied_depths",
