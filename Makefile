@@ -30,6 +30,12 @@ readme: .venv/run  ## make the README's picture anew
 	$(BIN)/refdof compare fence --out out/readme
 	cp out/readme/overview.png docs/overview.png
 
+new-method:  ## write the skeleton of a method: make new-method NAME=my_method
+	@$(PYTHON) scaffold/new.py method '$(NAME)'
+
+new-scene:  ## write the skeleton of a scene: make new-scene NAME=my_scene
+	@$(PYTHON) scaffold/new.py scene '$(NAME)'
+
 clean:  ## remove the virtual environment and what was built
 	rm -rf .venv build *.egg-info out
 
@@ -50,4 +56,4 @@ clean:  ## remove the virtual environment and what was built
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint readme clean peers
+.PHONY: help compare test fast bounds lint readme new-method new-scene clean peers
