@@ -10,9 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from refdof import _jit, _vectors
+import refdof
+from refdof import _jit
+from refdof._jit import compile as compile_
+from refdof._jit import texel_registers
 
-PACKAGE = Path(_jit.__file__).parent
+PACKAGE = Path(_jit.__file__).parents[1]
 
 
 def run(folder, cache):
@@ -28,7 +31,7 @@ def test_an_edited_helper_is_seen_at_once(tmp_path):
     """The kernel's file stays as it is; only the helper in another file changes."""
     package, cache = tmp_path / "refdof", tmp_path / "cache"
     package.mkdir()
-    shutil.copy(PACKAGE / "_jit.py", package / "_jit.py")
+    shutil.copytree(PACKAGE / "_jit", package / "_jit", ignore=shutil.ignore_patterns("__pycache__"))
     (package / "__init__.py").write_text("")
     (package / "helper.py").write_text(
         "from refdof._jit import inline\n\n\n@inline\ndef step(x):\n    return x + 1.0\n"
@@ -46,10 +49,14 @@ def test_an_edited_helper_is_seen_at_once(tmp_path):
     assert len(list(cache.iterdir())) == 2
 
 
+def test_the_digest_covers_the_whole_package():
+    assert compile_._package_folder() == Path(refdof.__file__).parent
+
+
 def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
     package, cache = tmp_path / "refdof", tmp_path / "cache"
     package.mkdir()
-    shutil.copy(PACKAGE / "_jit.py", package / "_jit.py")
+    shutil.copytree(PACKAGE / "_jit", package / "_jit", ignore=shutil.ignore_patterns("__pycache__"))
     (package / "__init__.py").write_text("")
     (package / "probe.py").write_text("from refdof import _jit\n\n\ndef answer(x):\n    return x\n")
     for name, days in (("old", 40), ("young", 10)):
@@ -130,14 +137,14 @@ def bilinear(level, u, v):
 
 @_jit.tile_kernel
 def blend(texels, a, b, c, d, across, down):
-    return _vectors.blend_texels(texels, a, b, c, d, across, down)
+    return texel_registers.blend_texels(texels, a, b, c, d, across, down)
 
 
 @_jit.tile_kernel
 def weigh(texels, places, weights):
-    return _vectors.weigh_texels(texels, places, weights)
+    return texel_registers.weigh_texels(texels, places, weights)
 
 
 @_jit.tile_kernel
 def circle(texels, start, width, height, u, v, a, b, shares):
-    return _vectors.read_circle(texels, start, width, height, u, v, a, b, shares)
+    return texel_registers.read_circle(texels, start, width, height, u, v, a, b, shares)

@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
-from refdof._vectors import weigh_texels
+from refdof._jit.texel_registers import weigh_texels
 
 __all__ = ["Chain", "begin", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
 

@@ -13,7 +13,7 @@ arithmetic only where that gives infinities or NaN: such texels are read again b
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
-from refdof._vector_rows import blend_along, blend_squares, mean_squares
+from refdof._jit.row_registers import blend_along, blend_squares, mean_squares
 from refdof.raster.filters import Rules, lerp
 
 __all__ = ["halve_box", "halve_gaussian", "halve_highest", "halve_linear", "halve_lowest"]

@@ -15,7 +15,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._vectors import INWARD, read_circle
+from refdof._jit.texel_registers import INWARD, read_circle
 from refdof.raster.anisotropic import Chain
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]

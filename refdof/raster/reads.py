@@ -12,7 +12,7 @@ Models that fuse or flush, and borders, always take the rules.
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
-from refdof._vectors import blend_texels
+from refdof._jit.texel_registers import blend_texels
 from refdof.raster.filters import bilinear_at, lerp, split
 
 __all__ = ["read_level", "read_points"]

@@ -15,7 +15,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._vectors import load, pick, plain_lerp
+from refdof._jit.texel_registers import load, pick, plain_lerp
 
 __all__ = ["blend_along", "blend_squares", "mean_squares"]
 

@@ -1,0 +1,21 @@
+"""All Numba policy: decorators, a cache that cannot go stale, and the number of threads."""
+
+from refdof._jit.compile import JIT_DISABLED, callback, inline, kernel, prange, tile_kernel
+from refdof._jit.memory import borrow, call_address, load_int32, store_int32
+from refdof._jit.threads import run_tasks, thread_count, use_threads
+
+__all__ = [
+    "JIT_DISABLED",
+    "borrow",
+    "call_address",
+    "callback",
+    "inline",
+    "kernel",
+    "load_int32",
+    "prange",
+    "run_tasks",
+    "store_int32",
+    "thread_count",
+    "tile_kernel",
+    "use_threads",
+]
