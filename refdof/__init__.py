@@ -11,15 +11,15 @@ Conventions, everywhere:
 
 from refdof import metrics
 from refdof._check import InputError
-from refdof.aperture import Aperture
-from refdof.camera import Camera
 from refdof.forecast import Forecast, forecast
-from refdof.lens import ThinLens
 from refdof.load import load_scene
 from refdof.methods import METHODS
+from refdof.optics.aperture import Aperture
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
+from refdof.optics.sampling import lens_samples
 from refdof.reference import Reference, reference
 from refdof.rendering import Result, render
-from refdof.sampling import lens_samples
 from refdof.scene import Light, Material, Part, Scene
 from refdof.scenes import SCENES
 from refdof.view import View

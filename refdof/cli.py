@@ -20,14 +20,14 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
 from refdof.atomic import check_folder
-from refdof.camera import Camera
 from refdof.compare import compare as compare_scene
 from refdof.forecast import Forecast
 from refdof.image_file import SUFFIXES, save_image
-from refdof.lens import ThinLens
 from refdof.load import load_scene
 from refdof.method_record import facts_of
 from refdof.methods import METHODS
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
-from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
 from refdof.forecast import Forecast, forecast_of_view
-from refdof.lens import ThinLens
 from refdof.methods import METHODS
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.reference import MAX_SAMPLES, reference_of_view
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.scene import Part, Scene

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from refdof._check import Float
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 __all__ = ["Comparison", "Row"]
 

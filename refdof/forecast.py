@@ -12,9 +12,9 @@ import numpy as np
 
 from refdof._check import as_instance, as_number
 from refdof._jit import run_tasks
-from refdof.camera import Camera
 from refdof.error_bar import excess
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
 from refdof.scene import Scene
 from refdof.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 
 __all__ = ["gltf_camera", "without_cameras"]
 

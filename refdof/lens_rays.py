@@ -18,9 +18,9 @@ import numpy as np
 
 from refdof._check import Index
 from refdof._jit import borrow, call_address, inline, tile_kernel
-from refdof.aperture import concentric_disc
-from refdof.opening import borrow_opening, is_plain_disc, lens_point
-from refdof.owen import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
+from refdof.optics.aperture import concentric_disc
+from refdof.optics.opening import borrow_opening, is_plain_disc, lens_point
+from refdof.optics.owen import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
 from refdof.raster.raycast import LANES, ROWS, Row
 from refdof.shading import shade
 from refdof.surfaces import borrow_surfaces, intersect

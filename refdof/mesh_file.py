@@ -21,10 +21,10 @@ import numpy as np
 import trimesh
 
 from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index, as_path
-from refdof.camera import Camera
 from refdof.gltf_camera import gltf_camera, without_cameras
-from refdof.lens import ThinLens
 from refdof.normals import smooth_normals
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.scene import SHADINGS, Light, Material, Part, Scene
 from refdof.suggest import suggest_camera, suggest_lens, up_axis
 

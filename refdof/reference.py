@@ -1,7 +1,7 @@
 """The reference: thin-lens pictures by ray casting, with an error bar at every pixel.
 
 1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.lens_rays`
-2. Estimate every pixel R times with independent scrambles of one net                `refdof.owen`
+2. Estimate every pixel R times with independent scrambles of one net                `refdof.optics.owen`
 3. The mean is the picture; the spread of the R estimates is its error                `refdof.error_bar`
 4. With a tolerance, double the net of the pixels whose error is too large            `refdof.tile_sampler`
 
@@ -25,11 +25,11 @@ import numpy as np
 
 from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
-from refdof.camera import Camera
 from refdof.error_bar import excess
-from refdof.lens import ThinLens
 from refdof.noise_floor import GROUPS, floor_of_moments
-from refdof.owen import MAX_LOG2
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
+from refdof.optics.owen import MAX_LOG2
 from refdof.scene import Scene
 from refdof.tile_sampler import Spend, TileSampler
 from refdof.view import View, view_of

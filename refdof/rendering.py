@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_instance
-from refdof.camera import Camera
-from refdof.lens import ThinLens
 from refdof.methods import METHODS
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.scene import Scene
 from refdof.trace import Trace
 from refdof.view import View, view_of

@@ -35,8 +35,8 @@ from refdof._check import (
     as_number,
     as_vector,
 )
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 __all__ = ["SHADINGS", "Light", "Material", "Part", "Scene"]
 

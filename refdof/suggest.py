@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 __all__ = ["suggest_camera", "suggest_lens", "up_axis"]
 

@@ -12,8 +12,8 @@ from refdof._check import Float, Index
 from refdof.error_bar import Estimate, grid_of, summarise, unfinished
 from refdof.lens_rays import tile_order, trace_block
 from refdof.noise_floor import GROUPS, noise_moments
-from refdof.opening import opening_of
-from refdof.owen import block_of
+from refdof.optics.opening import opening_of
+from refdof.optics.owen import block_of
 from refdof.raster.raycast import new_packets, new_query
 from refdof.small_lights import first_samples
 from refdof.view import View

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index, as_instance, as_integer
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
+from refdof.optics.shot import Shot, shot_of
 from refdof.raster.peel import Layers, count_surfaces, peel
 from refdof.raster.raycast import Tracer, new_tracer
 from refdof.raster.umbra import umbra_step
 from refdof.scene import Scene
-from refdof.shot import Shot, shot_of
 from refdof.surfaces import Surfaces, surfaces_of
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]

@@ -21,10 +21,10 @@ from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, Thin
 from refdof.compare import compare
 from refdof.forecast import forecast_of_view
 from refdof.image_file import load_image, png_bytes, save_image
-from refdof.lens_pattern import lens_pattern
 from refdof.load import load_scene
 from refdof.mesh_file import load_mesh
 from refdof.methods import cascaded
+from refdof.optics.lens_pattern import lens_pattern
 from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture, umbra
 from refdof.raster.depth_peeling import peel_raster
 from refdof.raster.gpu_model import EXACT, GpuModel
@@ -124,28 +124,30 @@ _SHOT = {"scene": SCENE, "camera": CAMERA, "lens": LENS}
 _APERTURE = {"boundary": np.zeros((0, 2)), "weights": np.zeros((0, 0)), "scale": (1.0, 1.0), "deviation": INF}
 
 DOORS: dict[str, Door] = {
-    "refdof.aperture.Aperture": Door(Aperture, _APERTURE),
-    "refdof.aperture.Aperture.disc": Door(Aperture.disc, {"ratio": 1.0}),
-    "refdof.aperture.Aperture.gaussian": Door(Aperture.gaussian, {"deviation": 0.5, "ratio": 1.0}),
-    "refdof.aperture.Aperture.polygon": Door(
+    "refdof.optics.aperture.Aperture": Door(Aperture, _APERTURE),
+    "refdof.optics.aperture.Aperture.disc": Door(Aperture.disc, {"ratio": 1.0}),
+    "refdof.optics.aperture.Aperture.gaussian": Door(Aperture.gaussian, {"deviation": 0.5, "ratio": 1.0}),
+    "refdof.optics.aperture.Aperture.polygon": Door(
         Aperture.polygon, {"blades": 5, "rotation": 10.0, "curvature": 0.5, "ratio": 1.0}
     ),
-    "refdof.aperture.Aperture.image": Door(Aperture.image, {"weights": np.ones((2, 2)), "ratio": 1.0}),
-    "refdof.aperture.Aperture.from_square": Door(Aperture.polygon(5).from_square, {"square": UV}),
-    "refdof.aperture.Aperture.transmission": Door(Aperture.image(np.ones((2, 2))).transmission, {"points": UV}),
-    "refdof.camera.Camera": Door(
+    "refdof.optics.aperture.Aperture.image": Door(Aperture.image, {"weights": np.ones((2, 2)), "ratio": 1.0}),
+    "refdof.optics.aperture.Aperture.from_square": Door(Aperture.polygon(5).from_square, {"square": UV}),
+    "refdof.optics.aperture.Aperture.transmission": Door(Aperture.image(np.ones((2, 2))).transmission, {"points": UV}),
+    "refdof.optics.camera.Camera": Door(
         Camera,
         {"eye": (0.0, 0.0, 4.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0), "fov_y": 40.0, "size": (3, 2)},
         {"eye": ("target", "up"), "target": ("up",)},
     ),
-    "refdof.camera.Camera.look_at": Door(
+    "refdof.optics.camera.Camera.look_at": Door(
         Camera.look_at,
         {"eye": (0.0, 0.0, 4.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 1.0, 0.0), "fov_y": 40.0, "size": (3, 2)},
         {"eye": ("target", "up"), "target": ("up",)},
     ),
-    "refdof.camera.Camera.with_size": Door(CAMERA.with_size, {"size": (3, 2)}),
-    "refdof.camera.Camera.camera_from_world": Door(CAMERA.camera_from_world, {"points": CORNERS}),
-    "refdof.camera.Camera.project": Door(CAMERA.project, {"points": CORNERS}, any_result=True),  # NaN behind the eye
+    "refdof.optics.camera.Camera.with_size": Door(CAMERA.with_size, {"size": (3, 2)}),
+    "refdof.optics.camera.Camera.camera_from_world": Door(CAMERA.camera_from_world, {"points": CORNERS}),
+    "refdof.optics.camera.Camera.project": Door(
+        CAMERA.project, {"points": CORNERS}, any_result=True
+    ),  # NaN behind the eye
     "refdof.compare.compare": Door(
         _unwarmed,
         {
@@ -180,14 +182,14 @@ DOORS: dict[str, Door] = {
     "refdof.image_file.save_image": Door(
         save_image, {"path": "new.npy", "linear": COLOR}, {"path": ("out",), "linear": ("image", "out")}
     ),
-    "refdof.lens.ThinLens": Door(ThinLens, {"radius": 0.25, "focus_distance": 3.0, "aperture": Aperture.disc()}),
-    "refdof.lens.ThinLens.from_f_number": Door(
+    "refdof.optics.lens.ThinLens": Door(ThinLens, {"radius": 0.25, "focus_distance": 3.0, "aperture": Aperture.disc()}),
+    "refdof.optics.lens.ThinLens.from_f_number": Door(
         ThinLens.from_f_number,
         {"focal_length": 0.05, "f_number": 2.0, "focus_distance": 3.0, "aperture": None},
         {"focal_length": ("focus_distance", "f_number")},
     ),
-    "refdof.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
-    "refdof.lens_pattern.lens_pattern": Door(
+    "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
+    "refdof.optics.lens_pattern.lens_pattern": Door(
         lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
     ),
     "refdof.load.load_scene": Door(
@@ -325,7 +327,7 @@ DOORS: dict[str, Door] = {
     "refdof.rendering.render_view": Door(
         render_view, {"method": "scatter", "view": _view(), "stages": False, "preset": "best"}
     ),
-    "refdof.sampling.lens_samples": Door(
+    "refdof.optics.sampling.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
     "refdof.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
@@ -381,8 +383,8 @@ INNER = {
     "refdof.display.encode",
     "refdof.display.encode_one",
     "refdof.forecast.Forecast",
-    "refdof.lens_pattern.LensPattern",
-    "refdof.lens_pattern.mean_nearest_distance",
+    "refdof.optics.lens_pattern.LensPattern",
+    "refdof.optics.lens_pattern.mean_nearest_distance",
     "refdof.methods.cascaded.layering_of",
     "refdof.methods.multiview.cone_width",
     "refdof.methods.singlepass.spiral",

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from refdof.camera import Camera
 from refdof.comparison import Comparison, Row
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 SCORES = {
     "psnr": 31.25,

@@ -11,8 +11,8 @@ from shapely import Polygon, affinity, box
 
 from refdof import Camera, ThinLens
 from refdof._check import InputError
-from refdof.aperture import Aperture
-from refdof.lens_maps import concentric_disc
+from refdof.optics.aperture import Aperture
+from refdof.optics.lens_maps import concentric_disc
 from refdof.raster.umbra import umbra_step
 
 

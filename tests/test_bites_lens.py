@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Aperture
 from refdof._jit import tile_kernel
-from refdof.lens_pattern import lens_pattern
-from refdof.opening import lens_point, opening_of
-from refdof.sampling import lens_samples
+from refdof.optics.lens_pattern import lens_pattern
+from refdof.optics.opening import lens_point, opening_of
+from refdof.optics.sampling import lens_samples
 
 pytestmark = pytest.mark.fast
 

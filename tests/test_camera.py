@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdof._check import InputError
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 
 
 def test_hand_numbers():

@@ -10,8 +10,8 @@ from scipy.stats import chisquare
 
 import refdof
 from refdof import Aperture, InputError, ThinLens
-from refdof.opening import is_plain_disc, lens_point, opening_of
-from refdof.sampling import PATTERNS, lens_samples
+from refdof.optics.opening import is_plain_disc, lens_point, opening_of
+from refdof.optics.sampling import PATTERNS, lens_samples
 
 
 def light_inside(radius, deviation):

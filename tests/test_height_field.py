@@ -7,8 +7,8 @@ height c.
 import numpy as np
 import pytest
 
-from refdof.lens_pattern import LensPattern
 from refdof.methods._multiview_trace import culled_layers, trace_hits
+from refdof.optics.lens_pattern import LensPattern
 from refdof.raster.height_field import Search, fields_of
 
 pytestmark = pytest.mark.fast

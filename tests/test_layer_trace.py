@@ -10,7 +10,7 @@ import stage
 from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
-from refdof.lens_pattern import LensPattern
+from refdof.optics.lens_pattern import LensPattern
 from refdof.raster.attributes import ATTRIBUTES
 from refdof.raster.layer_trace import new_stack, trace_layers
 

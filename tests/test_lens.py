@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdof._check import InputError
-from refdof.aperture import Aperture
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.aperture import Aperture
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 CAMERA = Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=40.0, size=(640, 480))
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof import Aperture, InputError, lens_samples
-from refdof.lens_pattern import JITTERS, lens_pattern, mean_nearest_distance
+from refdof.optics.lens_pattern import JITTERS, lens_pattern, mean_nearest_distance
 
 
 @given(st.integers(3, 9), st.floats(0, 360), st.floats(0, 1), st.floats(0.3, 3.0), st.sampled_from(JITTERS))

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
-from refdof.lens_pattern import LensPattern
 from refdof.methods.lensblur import FOOTPRINTS
+from refdof.optics.lens_pattern import LensPattern
 from refdof.raster.layer_trace import new_stack, trace_layers
 from refdof.rendering import make_params, render_view
 

@@ -8,9 +8,9 @@ import pytest
 import stage
 
 from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, reference, render
-from refdof.lens_pattern import LensPattern, lens_pattern
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
 from refdof.methods.multiview import Params, _texel_bytes
+from refdof.optics.lens_pattern import LensPattern, lens_pattern
 from refdof.raster.decomposition import decompose, layer_bounds
 from refdof.raster.height_field import Search, fields_of
 

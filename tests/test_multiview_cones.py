@@ -6,8 +6,8 @@ import stage
 
 import refdof
 from refdof import Aperture, Material, Part, ThinLens, View, render
-from refdof.lens_pattern import LensPattern
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.optics.lens_pattern import LensPattern
 from refdof.raster.height_field import Search, fields_of
 
 SEARCH = Search(False, 3, 5, 0.5, False, True, False)

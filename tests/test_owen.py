@@ -6,8 +6,8 @@ from scipy import stats
 
 from refdof import Aperture
 from refdof._jit import JIT_DISABLED, kernel, prange
-from refdof.opening import lens_point, opening_of
-from refdof.owen import axis_seed, block_of, reverse_bits, scramble, scramble_state
+from refdof.optics.opening import lens_point, opening_of
+from refdof.optics.owen import axis_seed, block_of, reverse_bits, scramble, scramble_state
 
 
 def scrambled(first, log2_count, seed, axes=(0, 1)):

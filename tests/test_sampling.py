@@ -8,8 +8,8 @@ from scipy.spatial.distance import pdist, squareform
 from scipy.stats import qmc
 
 from refdof._check import InputError
-from refdof.aperture import Aperture
-from refdof.sampling import PATTERNS, lens_samples
+from refdof.optics.aperture import Aperture
+from refdof.optics.sampling import PATTERNS, lens_samples
 
 HEXAGON = Aperture.polygon(6, rotation=7.0, curvature=0.3)
 

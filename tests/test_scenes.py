@@ -8,7 +8,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from refdof._check import InputError
-from refdof.lens import ThinLens
+from refdof.optics.lens import ThinLens
 from refdof.scenes import SCENES, built_in, shot_of
 from refdof.scenes.mesh import join, rotation
 from refdof.scenes.noise import Noise3, fractal

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 from refdof.suggest import suggest_camera, suggest_lens, up_axis
 
 

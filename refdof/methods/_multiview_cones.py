@@ -24,11 +24,11 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
-from refdof.lens_pattern import LensPattern
 from refdof.methods._multiview_trace import light_of, pinhole_light, ray_tangents
+from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.shot import Shot
 from refdof.raster.coverage import coverage_mipmaps
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]

@@ -9,11 +9,11 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
-from refdof.lens_pattern import LensPattern
+from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.shot import Shot
 from refdof.raster.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.raster.ray_doubt import in_doubt
-from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]

@@ -1,6 +1,6 @@
 """Accumulation: the average of pinhole views from points of the lens.
 
-1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.owen`
+1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen`
 2. See the scene from each of them, sheared to keep the focal plane in place  `refdof.lens_rays`
 3. Average                                                                  `refdof.lens_rays`
 

@@ -41,12 +41,12 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
-from refdof.lens_pattern import JITTERS, lens_pattern
 from refdof.method_record import Method
+from refdof.optics.lens_pattern import JITTERS, lens_pattern
+from refdof.optics.sampling import PATTERNS
 from refdof.raster.attributes import attributes_of
 from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
 from refdof.raster.peel import Layers
-from refdof.sampling import PATTERNS
 from refdof.trace import Trace
 from refdof.view import View
 
@@ -74,8 +74,8 @@ class Params:
     peel : "extended", "umbra" or "plain"
         What a layer hides of the next: the umbra of a pixel that reaches its neighbours' centres (the paper's), of the
         pixel itself, or nothing but itself.
-    jitter : one of `refdof.lens_pattern.JITTERS`
-    pattern : one of `refdof.sampling.PATTERNS`
+    jitter : one of `refdof.optics.lens_pattern.JITTERS`
+    pattern : one of `refdof.optics.sampling.PATTERNS`
         Of the lens points; "halton" jitter always takes Halton.
     footprint : "closed", "rays" or "quarter"
         Bounds of a pixel's rays: closed form of the thin lens, the quad around all rays, or around every fourth, which

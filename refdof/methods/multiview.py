@@ -2,7 +2,7 @@
 
 1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.raster.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
-3. Choose lens points for every pixel                                      `refdof.lens_pattern`
+3. Choose lens points for every pixel                                      `refdof.optics.lens_pattern`
 4. Skip the layers that no ray of a pixel can meet                         `refdof.raster.height_field`, `visit`
 5. Follow each ray front to back, from texel to texel or by false position  `refdof.raster.height_field`, `next_hit`
 6. Average what the rays hit, or blend it along cones                      `refdof.methods._multiview_trace`, `_cones`
@@ -62,15 +62,15 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
-from refdof.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.method_record import Method
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
+from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
+from refdof.optics.sampling import PATTERNS, lens_samples
 from refdof.raster.attributes import ATTRIBUTES, attributes_of
 from refdof.raster.decomposition import Decomposition, copies, decompose
 from refdof.raster.height_field import Fields, Search, fields_of
 from refdof.raster.layer_color import colors_of
-from refdof.sampling import PATTERNS, lens_samples
 from refdof.trace import Trace
 from refdof.view import View
 
@@ -120,8 +120,8 @@ class Params:
         Skip layers early; changes no bit.
     offscreen : one of `OFFSCREEN`
         What rays do that leave the image: nothing, or see its border.
-    jitter : one of `refdof.lens_pattern.JITTERS`
-    pattern : one of `refdof.sampling.PATTERNS`
+    jitter : one of `refdof.optics.lens_pattern.JITTERS`
+    pattern : one of `refdof.optics.sampling.PATTERNS`
     cones : one of `CONES`
     view_dependent : bool
         Shade at the hit, along the lens ray, instead of in the layer, along the pinhole's.

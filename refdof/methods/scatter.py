@@ -1,6 +1,6 @@
 """Scatter: every pixel spreads its colour evenly over its circle of confusion.
 
-1. Find every pixel's circle of confusion                                     `refdof.lens`
+1. Find every pixel's circle of confusion                                     `refdof.optics.lens`
 2. Share each pixel among those that its disc covers, by covered area         `_scatter`, `refdof.raster.disc`
 3. Divide what a pixel got by the sum of its shares                           `_scatter`
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 
 __all__ = ["Pieces", "pieces_of", "snapped"]
 

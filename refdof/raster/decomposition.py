@@ -33,8 +33,8 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError
 from refdof._jit import inline, kernel, prange, tile_kernel
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.raster.triangles import rasterize
 
 __all__ = ["Decomposition", "Sources", "copies", "decompose", "layer_bounds"]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_integer, as_number
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 from refdof.raster.triangles import Raster, rasterize
 
 __all__ = ["peel_raster"]

@@ -4,8 +4,8 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
+from refdof.optics.shot import Shot
 from refdof.shading import shade
-from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces, intersect
 
 __all__ = ["colors_of", "pinhole_hit"]

@@ -21,10 +21,10 @@ import numpy as np
 
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
+from refdof.optics.shot import Shot
 from refdof.raster.raycast import Tracer, new_collector
 from refdof.raster.umbra import reach_beyond
 from refdof.shading import shade, shading_normal
-from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces, intersect
 
 __all__ = ["Layers", "count_surfaces", "peel"]

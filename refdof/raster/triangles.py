@@ -34,7 +34,7 @@ from refdof._check import (
     as_number,
 )
 from refdof._jit import inline, run_tasks, tile_kernel
-from refdof.camera import Camera
+from refdof.optics.camera import Camera
 from refdof.raster.bins import TILE_PX, bins_of
 from refdof.raster.clip import pieces_of, snapped
 from refdof.raster.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of

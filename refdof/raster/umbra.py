@@ -25,8 +25,8 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_instance, as_integer, as_number
 from refdof._jit import inline, kernel, prange
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 __all__ = ["reach_beyond", "survivors", "umbra_step", "worst_case_layers"]
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from refdof.comparison import Comparison, Row
-from refdof.lens import ThinLens
 from refdof.metrics import FLIP_PPD, METRICS
+from refdof.optics.lens import ThinLens
 
 __all__ = ["DISPLAY", "at_noise_floor", "command_of", "plain", "rows_as_json"]
 

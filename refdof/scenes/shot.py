@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import InputError, as_color, as_integer, as_number
-from refdof.aperture import Aperture
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.aperture import Aperture
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.scene import Light
 
 __all__ = ["LAST", "Shot", "parse_shot", "read_shot", "shot_places"]

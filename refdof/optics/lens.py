@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, as_number, shape_of
-from refdof.aperture import Aperture
-from refdof.camera import Camera
+from refdof.optics.aperture import Aperture
+from refdof.optics.camera import Camera
 
 __all__ = ["ThinLens"]
 

@@ -21,8 +21,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from refdof._check import Float, Index
-from refdof.aperture import Aperture
-from refdof.lens_shape import Moments, density, is_inside, middle, mirrored, moments, widened
+from refdof.optics.aperture import Aperture
+from refdof.optics.lens_shape import Moments, density, is_inside, middle, mirrored, moments, widened
 
 __all__ = ["RELATIVE_DISTANCE", "poisson_disc"]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_image, as_integer, as_number
 from refdof._jit import kernel, prange
-from refdof.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
+from refdof.optics.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
 
 __all__ = ["Aperture"]
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline
-from refdof.aperture import Aperture
-from refdof.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
+from refdof.optics.aperture import Aperture
+from refdof.optics.lens_maps import concentric_disc, fan_point, gaussian_stretch, image_point
 
 __all__ = ["Opening", "borrow_opening", "is_plain_disc", "lens_point", "opening_of"]
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from refdof.camera import Camera
-from refdof.lens import ThinLens
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 
 __all__ = ["Shot", "shot_of"]
 

@@ -4,7 +4,7 @@
 sobol     first points of a scrambled Sobol' net of the next power of two [1]
 halton    Halton points in bases 2 and 3, digits permuted at random [2]
 vogel     golden-angle spiral, rotated at random [3]
-poisson   darts that keep a distance, with the mean and covariance of the opening, `refdof.poisson_disc`
+poisson   darts that keep a distance, with the mean and covariance of the opening, `refdof.optics.poisson_disc`
 jittered  one random point in each of `count` cells of equal area
 random    independent points
 ========  ===========================================================================================
@@ -26,8 +26,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from refdof._check import Float, as_choice, as_instance, as_integer
-from refdof.aperture import Aperture
-from refdof.poisson_disc import poisson_disc
+from refdof.optics.aperture import Aperture
+from refdof.optics.poisson_disc import poisson_disc
 
 __all__ = ["PATTERNS", "lens_samples"]
 

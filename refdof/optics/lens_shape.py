@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from refdof._check import Float
-from refdof.aperture import Aperture
+from refdof.optics.aperture import Aperture
 
 __all__ = ["Moments", "density", "is_inside", "middle", "mirrored", "moments", "widened"]
 

@@ -1,0 +1,1 @@
+"""Optics: camera, thin lens and aperture, and the points of lens and pixel that rays pass."""
