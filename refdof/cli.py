@@ -19,10 +19,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
-from refdof.atomic import check_folder
 from refdof.compare import compare as compare_scene
 from refdof.forecast import Forecast
-from refdof.image_file import SUFFIXES, save_image
+from refdof.image.atomic import check_folder
+from refdof.image.file import SUFFIXES, save_image
 from refdof.load import load_scene
 from refdof.method_record import facts_of
 from refdof.methods import METHODS

@@ -26,7 +26,7 @@ import numpy as np
 from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
 from refdof.error_bar import excess
-from refdof.noise_floor import GROUPS, floor_of_moments
+from refdof.image.noise_floor import GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.owen import MAX_LOG2

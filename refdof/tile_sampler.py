@@ -10,8 +10,8 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof.error_bar import Estimate, grid_of, summarise, unfinished
+from refdof.image.noise_floor import GROUPS, noise_moments
 from refdof.lens_rays import tile_order, trace_block
-from refdof.noise_floor import GROUPS, noise_moments
 from refdof.optics.opening import opening_of
 from refdof.optics.owen import block_of
 from refdof.raster.raycast import new_packets, new_query
@@ -38,7 +38,7 @@ class Spend:
 class TileEstimate:
     """A tile's pixels, by row and column (N,), the points spent on each per replicate (N,), and what they say.
 
-    noise: `refdof.noise_floor.noise_moments`.
+    noise: `refdof.image.noise_floor.noise_moments`.
     """
 
     rows: Index

@@ -20,7 +20,7 @@ import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
 from refdof.forecast import forecast_of_view
-from refdof.image_file import load_image, png_bytes, save_image
+from refdof.image.file import load_image, png_bytes, save_image
 from refdof.load import load_scene
 from refdof.mesh_file import load_mesh
 from refdof.methods import cascaded
@@ -167,19 +167,21 @@ DOORS: dict[str, Door] = {
         {"methods": ("params",), "camera": ("size",)},
         any_result=True,  # PSNR of identical pictures
     ),
-    "refdof.display.display": Door(refdof.display.display, {"linear": COLOR}, {"linear": ("image",)}),
-    "refdof.display.display_slope": Door(refdof.display.display_slope, {"linear": COLOR}, {"linear": ("image",)}),
-    "refdof.display.linear_from_display": Door(refdof.display.linear_from_display, {"encoded": COLOR}),
-    "refdof.display.to_8_bit": Door(refdof.display.to_8_bit, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.image.display.display": Door(refdof.image.display.display, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.image.display.display_slope": Door(
+        refdof.image.display.display_slope, {"linear": COLOR}, {"linear": ("image",)}
+    ),
+    "refdof.image.display.linear_from_display": Door(refdof.image.display.linear_from_display, {"encoded": COLOR}),
+    "refdof.image.display.to_8_bit": Door(refdof.image.display.to_8_bit, {"linear": COLOR}, {"linear": ("image",)}),
     "refdof.forecast.forecast": Door(
         refdof.forecast, {"scene": EVEN, "tolerance": 0.1, "max_samples": 64, "seed": 0, "camera": CAMERA, "lens": LENS}
     ),
     "refdof.forecast.forecast_of_view": Door(
         forecast_of_view, {"view": View(EVEN, CAMERA, LENS), "tolerance": 0.1, "max_samples": 64, "seed": 0}
     ),
-    "refdof.image_file.load_image": Door(load_image, {"path": "picture.npy"}),
-    "refdof.image_file.png_bytes": Door(png_bytes, {"linear": COLOR}, {"linear": ("image",)}),
-    "refdof.image_file.save_image": Door(
+    "refdof.image.file.load_image": Door(load_image, {"path": "picture.npy"}),
+    "refdof.image.file.png_bytes": Door(png_bytes, {"linear": COLOR}, {"linear": ("image",)}),
+    "refdof.image.file.save_image": Door(
         save_image, {"path": "new.npy", "linear": COLOR}, {"path": ("out",), "linear": ("image", "out")}
     ),
     "refdof.optics.lens.ThinLens": Door(ThinLens, {"radius": 0.25, "focus_distance": 3.0, "aperture": Aperture.disc()}),
@@ -220,7 +222,7 @@ DOORS: dict[str, Door] = {
     "refdof.metrics.pointwise.rel_mse": Door(refdof.metrics.rel_mse, _PAIR | {"second_reference": WIDE}, _SIZES),
     "refdof.metrics.pointwise.rmse": Door(refdof.metrics.rmse, _PAIR | {"second_reference": WIDE}, _SIZES),
     "refdof.metrics.structural.ssim": Door(refdof.metrics.ssim, _PAIR, _SIZES),
-    "refdof.noise_floor.noise_floor_psnr": Door(
+    "refdof.image.noise_floor.noise_floor_psnr": Door(
         refdof.metrics.noise_floor_psnr,
         {"reference": COLOR, "standard_error": COLOR / 100},
         {"reference": ("standard_error",)},
@@ -380,8 +382,8 @@ INNER_MODULES = {
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
-    "refdof.display.encode",
-    "refdof.display.encode_one",
+    "refdof.image.display.encode",
+    "refdof.image.display.encode_one",
     "refdof.forecast.Forecast",
     "refdof.optics.lens_pattern.LensPattern",
     "refdof.optics.lens_pattern.mean_nearest_distance",
@@ -389,8 +391,8 @@ INNER = {
     "refdof.methods.multiview.cone_width",
     "refdof.methods.singlepass.spiral",
     "refdof.metrics.Metric",
-    "refdof.noise_floor.floor_of_moments",
-    "refdof.noise_floor.noise_moments",
+    "refdof.image.noise_floor.floor_of_moments",
+    "refdof.image.noise_floor.noise_moments",
     "refdof.raster.ambiguity.tied_depths",
     "refdof.raster.matting.matte",
     "refdof.raster.nbuffer.Extremes",

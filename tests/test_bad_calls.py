@@ -12,7 +12,7 @@ import pytest
 from bad_calls import DOORS, INNER, SCALARS, THINGS, arguments_of, public_names, variants
 
 from refdof import InputError
-from refdof.image_file import save_image
+from refdof.image.file import save_image
 
 CASES = [(name, argument) for name, door in DOORS.items() for argument in door.base]
 

@@ -9,7 +9,7 @@ import pytest
 
 from refdof import METHODS, SCENES
 from refdof.cli import main
-from refdof.image_file import load_image
+from refdof.image.file import load_image
 
 SMALL = ["--size", "48x36", "--samples", "64"]
 

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from refdof._check import InputError
-from refdof.atomic import atomic_path, write_text
-from refdof.display import display, display_slope, linear_from_display, to_8_bit
-from refdof.image_file import load_image, save_image
+from refdof.image.atomic import atomic_path, write_text
+from refdof.image.display import display, display_slope, linear_from_display, to_8_bit
+from refdof.image.file import load_image, save_image
 
 
 def color(*rgb):

@@ -11,7 +11,7 @@ from skimage.metrics import mean_squared_error, peak_signal_noise_ratio
 
 from refdof import metrics
 from refdof._check import InputError
-from refdof.display import display, linear_from_display, to_8_bit
+from refdof.image.display import display, linear_from_display, to_8_bit
 
 
 def constant(value, size=(12, 13)):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from made_up import comparison
 from PIL import Image
 
-from refdof.display import to_8_bit
+from refdof.image.display import to_8_bit
 from refdof.report.crops import choose_crops
 from refdof.report.overview import write_overview
 

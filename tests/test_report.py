@@ -16,8 +16,8 @@ from made_up import SCORES, comparison
 from PIL import Image
 
 from refdof._check import InputError
-from refdof.display import to_8_bit
-from refdof.image_file import load_image
+from refdof.image.display import to_8_bit
+from refdof.image.file import load_image
 from refdof.metrics import METRICS, Metric, scores
 from refdof.report import markdown_table, page, rows_as_json, write_comparison, write_comparisons
 

@@ -7,8 +7,8 @@ import pytest
 from scipy import integrate
 
 from refdof._check import LARGEST_LIGHT
+from refdof.image.noise_floor import _share_below_white
 from refdof.methods import poisson, singlepass
-from refdof.noise_floor import _share_below_white
 from refdof.raster.gaussian import TRUNCATION
 from refdof.raster.magnify import _log2
 
@@ -28,7 +28,7 @@ def test_noise_that_the_clip_at_white_leaves(above, share):
         return min(x, 0.0) ** 2 * math.exp(-0.5 * (x - above) ** 2) / math.sqrt(2 * math.pi)
 
     exact = integrate.quad(seen, -10, 10, points=[0.0])[0]
-    assert float(f"{exact:.1g}") == share  # refdof/noise_floor.py
+    assert float(f"{exact:.1g}") == share  # refdof/image/noise_floor.py
     error = np.full((1, 1, 1), 0.01)
     assert _share_below_white(1.0 + above * error, error).item() == pytest.approx(exact, rel=1e-6)
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from refdof.image.noise_floor import noise_floor_psnr
 from refdof.metrics.perceptual import FLIP_PPD, flip
 from refdof.metrics.pointwise import max_abs, psnr, psnr_8bit, rel_mse, rmse
 from refdof.metrics.structural import ssim
-from refdof.noise_floor import noise_floor_psnr
 
 __all__ = [
     "FLIP_PPD",

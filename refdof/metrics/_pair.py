@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, as_image
-from refdof.display import display
+from refdof.image.display import display
 
 __all__ = ["display_pair", "linear", "linear_pair"]
 

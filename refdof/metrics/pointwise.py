@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float
-from refdof.display import to_8_bit
+from refdof.image.display import to_8_bit
 from refdof.metrics._pair import display_pair, linear, linear_pair
 
 __all__ = ["max_abs", "psnr", "psnr_8bit", "rel_mse", "rmse"]

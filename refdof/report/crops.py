@@ -13,7 +13,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof.comparison import Comparison
-from refdof.display import display
+from refdof.image.display import display
 
 __all__ = ["Box", "choose_crops"]
 

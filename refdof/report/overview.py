@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from refdof._check import Float
-from refdof.atomic import atomic_path
 from refdof.comparison import Comparison
-from refdof.display import display, display_slope
+from refdof.image.atomic import atomic_path
+from refdof.image.display import display, display_slope
 from refdof.report.crops import Box, choose_crops
 from refdof.report.table import texts
 

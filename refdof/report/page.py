@@ -16,7 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from refdof._check import Float
 from refdof.comparison import Comparison
-from refdof.image_file import png_bytes
+from refdof.image.file import png_bytes
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
 from refdof.report.table import columns, footnote, reference_line, texts
 

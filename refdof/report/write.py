@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import Float, InputError
-from refdof.atomic import write_text
 from refdof.comparison import Comparison
-from refdof.image_file import save_image
+from refdof.image.atomic import write_text
+from refdof.image.file import save_image
 from refdof.report.page import index_page, report_page
 from refdof.report.rows import rows_as_json
 from refdof.report.table import csv_table, markdown_table

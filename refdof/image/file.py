@@ -12,8 +12,8 @@ import numpy as np
 import OpenEXR
 
 from refdof._check import Float, InputError, as_image, as_path
-from refdof.atomic import atomic_path
-from refdof.display import linear_from_display, to_8_bit
+from refdof.image.atomic import atomic_path
+from refdof.image.display import linear_from_display, to_8_bit
 
 __all__ = ["SUFFIXES", "load_image", "png_bytes", "save_image"]
 

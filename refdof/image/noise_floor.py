@@ -19,7 +19,7 @@ import numpy as np
 
 from refdof._check import Float, as_image
 from refdof._jit import inline, tile_kernel
-from refdof.display import display_slope, encode_one
+from refdof.image.display import display_slope, encode_one
 
 __all__ = ["GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
 
