@@ -23,7 +23,6 @@ from refdof.compare import compare as compare_scene
 from refdof.forecast import Forecast
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
-from refdof.load import load_scene
 from refdof.method_record import facts_of
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
@@ -32,8 +31,9 @@ from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
-from refdof.scene import Scene
-from refdof.scenes import SCENES, shot_of
+from refdof.scene.builtin import SCENES, shot_of
+from refdof.scene.load import load_scene
+from refdof.scene.scene import Scene
 from refdof.view import View
 
 __all__ = ["app", "main"]

@@ -16,7 +16,7 @@ from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.reference import MAX_SAMPLES, reference_of_view
 from refdof.rendering import PRESETS, make_params, render_view
-from refdof.scene import Part, Scene
+from refdof.scene.scene import Part, Scene
 from refdof.view import View, view_of
 
 __all__ = ["compare", "warm_up"]

@@ -16,7 +16,7 @@ from refdof.error_bar import excess
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
-from refdof.scene import Scene
+from refdof.scene.scene import Scene
 from refdof.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
 from refdof.view import View, view_of
 

@@ -30,7 +30,7 @@ from refdof.image.noise_floor import GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.owen import MAX_LOG2
-from refdof.scene import Scene
+from refdof.scene.scene import Scene
 from refdof.tile_sampler import Spend, TileSampler
 from refdof.view import View, view_of
 

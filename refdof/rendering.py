@@ -15,7 +15,7 @@ from refdof._check import Float, as_bool, as_choice, as_instance
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.scene import Scene
+from refdof.scene.scene import Scene
 from refdof.trace import Trace
 from refdof.view import View, view_of
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.scene import Material, Scene
+from refdof.scene.scene import Material, Scene
 from refdof.view import View
 
 __all__ = ["first_samples"]

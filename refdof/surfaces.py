@@ -13,7 +13,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.optics.camera import Camera
-from refdof.scene import SHADINGS, Scene
+from refdof.scene.scene import SHADINGS, Scene
 
 __all__ = ["Surfaces", "borrow_surfaces", "intersect", "surfaces_of"]
 

@@ -19,7 +19,7 @@ from refdof.optics.shot import Shot, shot_of
 from refdof.raster.peel import Layers, count_surfaces, peel
 from refdof.raster.raycast import Tracer, new_tracer
 from refdof.raster.umbra import umbra_step
-from refdof.scene import Scene
+from refdof.scene.scene import Scene
 from refdof.surfaces import Surfaces, surfaces_of
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]

@@ -21,8 +21,6 @@ from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, Thin
 from refdof.compare import compare
 from refdof.forecast import forecast_of_view
 from refdof.image.file import load_image, png_bytes, save_image
-from refdof.load import load_scene
-from refdof.mesh_file import load_mesh
 from refdof.methods import cascaded
 from refdof.optics.lens_pattern import lens_pattern
 from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture, umbra
@@ -31,6 +29,8 @@ from refdof.raster.gpu_model import EXACT, GpuModel
 from refdof.raster.triangles import rasterize
 from refdof.reference import reference_of_view
 from refdof.rendering import make_params, render_view
+from refdof.scene.load import load_scene
+from refdof.scene.mesh_file import load_mesh
 from refdof.trace import Trace
 
 NAN, INF = math.nan, math.inf
@@ -194,10 +194,10 @@ DOORS: dict[str, Door] = {
     "refdof.optics.lens_pattern.lens_pattern": Door(
         lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
     ),
-    "refdof.load.load_scene": Door(
+    "refdof.scene.load.load_scene": Door(
         load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
     ),
-    "refdof.mesh_file.load_mesh": Door(
+    "refdof.scene.mesh_file.load_mesh": Door(
         load_mesh,
         {"path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0)},
         {"path": ("scene",)},
@@ -332,23 +332,23 @@ DOORS: dict[str, Door] = {
     "refdof.optics.sampling.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
-    "refdof.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
-    "refdof.scene.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
-    "refdof.scene.Part": Door(
+    "refdof.scene.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
+    "refdof.scene.scene.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
+    "refdof.scene.scene.Part": Door(
         Part, {f.name: getattr(PART, f.name) for f in fields(Part)}, {"vertices": ("faces", "uv", "color", "normal")}
     ),
-    "refdof.scene.Scene": Door(
+    "refdof.scene.scene.Scene": Door(
         Scene,
         {f.name: getattr(SCENE, f.name) for f in fields(Scene)},
         {"vertices": ("faces", "uv", "color", "normal"), "faces": ("face_material",), "materials": ("face_material",)},
     ),
-    "refdof.scene.Scene.from_parts": Door(
+    "refdof.scene.scene.Scene.from_parts": Door(
         Scene.from_parts,
         {"name": "a", "parts": [PART], "camera": CAMERA, "lens": LENS, "background": (0.0, 0.0, 0.0), "light": LIGHT},
     ),
-    "refdof.scene.Scene.scaled": Door(SCENE.scaled, {"factor": 2.0}),
-    "refdof.scene.Scene.with_background": Door(SCENE.with_background, {"background": (0.0, 0.0, 0.0)}),
-    "refdof.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
+    "refdof.scene.scene.Scene.scaled": Door(SCENE.scaled, {"factor": 2.0}),
+    "refdof.scene.scene.Scene.with_background": Door(SCENE.with_background, {"background": (0.0, 0.0, 0.0)}),
+    "refdof.scene.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
     "refdof.view.View": Door(View, _SHOT),
     "refdof.view.View.layers": Door(lambda **words: _view().layers(**words), {"count": 1}, any_result=True),
     "refdof.view.View.surface_counts": Door(lambda **words: _view().surface_counts(**words), {"extent_px": 0}),

@@ -10,7 +10,7 @@ from files_by_hand import LINEAR, PLY, QUAD, TEXELS, UV_UP, gltf, png, uri, writ
 from PIL import Image
 
 from refdof._check import InputError
-from refdof.mesh_file import load_mesh
+from refdof.scene.mesh_file import load_mesh
 
 
 def texel_at(scene, corner):

@@ -6,7 +6,7 @@ import trimesh
 from files_by_hand import PLY, write
 
 from refdof._check import InputError
-from refdof.mesh_file import load_mesh
+from refdof.scene.mesh_file import load_mesh
 
 BINARY_PLY = trimesh.creation.box().export(file_type="ply")
 BOX_GLB = trimesh.creation.box().export(file_type="glb")

@@ -87,7 +87,7 @@ def test_the_row_is_in_its_place(tree):
         ("new-method", "", "NAME: got ''; allowed are lower-case"),
         ("new-scene", "class", "NAME: got 'class'; allowed are lower-case"),
         ("new-method", "mipmap", "NAME: got 'mipmap', but refdof/methods/mipmap.py exists; allowed is a new name"),
-        ("new-scene", "shot", "NAME: got 'shot', but refdof/scenes/shot.py exists; allowed is a new name"),
+        ("new-scene", "shot", "NAME: got 'shot', but refdof/scene/kit/shot.py exists; allowed is a new name"),
     ],
 )
 def test_bad_names_are_one_line_and_write_nothing(tree, task, name, message):

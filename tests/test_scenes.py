@@ -9,14 +9,14 @@ from embreex.rtcore_scene import EmbreeScene
 
 from refdof._check import InputError
 from refdof.optics.lens import ThinLens
-from refdof.scenes import SCENES, built_in, shot_of
-from refdof.scenes.mesh import join, rotation
-from refdof.scenes.noise import Noise3, fractal
-from refdof.scenes.sculpt import sculpt, soft_union
-from refdof.scenes.shapes import arch, box, lathe, leaf, plane, sphere, torus, tube
-from refdof.scenes.shot import parse_shot
-from refdof.scenes.studio import directions
-from refdof.scenes.textures import bricks, paint
+from refdof.scene.builtin import SCENES, built_in, shot_of
+from refdof.scene.kit.mesh import join, rotation
+from refdof.scene.kit.noise import Noise3, fractal
+from refdof.scene.kit.sculpt import sculpt, soft_union
+from refdof.scene.kit.shapes import arch, box, lathe, leaf, plane, sphere, torus, tube
+from refdof.scene.kit.shot import parse_shot
+from refdof.scene.kit.studio import directions
+from refdof.scene.kit.textures import bricks, paint
 
 TRIANGLES = {"town": (80_000, 130_000), "figures": (500_000, 700_000)}  # what the papers' tables speak of
 WIDTH, HEIGHT = 160, 120  # rays per picture: enough for shares of the picture, quick to trace

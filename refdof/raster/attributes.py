@@ -1,7 +1,7 @@
 """Attributes: what a layer stores so that its surfaces can be shaded later, against rays other than the pinhole's.
 
-One formula shades every material (`refdof.scene`): albedo E(n) + emission + specular (...). An unlit surface has its
-colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
+One formula shades every material (`refdof.scene.scene`): albedo E(n) + emission + specular (...). An unlit surface has
+its colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
 averaged, as mipmaps do.
 
 References
@@ -17,7 +17,7 @@ from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.optics.shot import Shot
 from refdof.raster.layer_color import pinhole_hit
-from refdof.scene import SHADINGS
+from refdof.scene.scene import SHADINGS
 from refdof.shading import lit, shading_normal, surface_color
 from refdof.surfaces import Surfaces, borrow_surfaces
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from refdof.scene import Material, Part
-from refdof.scenes.shapes import plane, sphere
-from refdof.scenes.shot import Shot
+from refdof.scene.kit.shapes import plane, sphere
+from refdof.scene.kit.shot import Shot
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.noise import smooth
+from refdof.scene.kit.noise import smooth
 
 __all__ = ["beside", "capsule_shadow", "corner_shade"]
 

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.darkening import beside, capsule_shadow, corner_shade
-from refdof.scenes.masonry import column
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.noise import Noise3, fractal, smooth
-from refdof.scenes.people import head, statue
-from refdof.scenes.sculpt import Body, merged, sculpt, soft_union
-from refdof.scenes.shapes import arch, box, lathe, plane, tube
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import mottled, paint, ramp, stone, tiles
+from refdof.scene.kit.darkening import beside, capsule_shadow, corner_shade
+from refdof.scene.kit.masonry import column
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.noise import Noise3, fractal, smooth
+from refdof.scene.kit.people import head, statue
+from refdof.scene.kit.sculpt import Body, merged, sculpt, soft_union
+from refdof.scene.kit.shapes import arch, box, lathe, plane, tube
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import mottled, paint, ramp, stone, tiles
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

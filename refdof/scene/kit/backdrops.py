@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from refdof.scene import Material, Part
-from refdof.scenes.mesh import Mesh
-from refdof.scenes.noise import fractal, smooth
-from refdof.scenes.shapes import surface
-from refdof.scenes.textures import blend, paint, ramp
+from refdof.scene.kit.mesh import Mesh
+from refdof.scene.kit.noise import fractal, smooth
+from refdof.scene.kit.shapes import surface
+from refdof.scene.kit.textures import blend, paint, ramp
+from refdof.scene.scene import Material, Part
 
 __all__ = ["curtain", "sky"]
 

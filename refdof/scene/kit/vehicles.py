@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.shapes import box, lathe, surface
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.shapes import box, lathe, surface
 
 __all__ = ["car"]
 

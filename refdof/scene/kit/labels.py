@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.noise import fractal, smooth
-from refdof.scenes.textures import blend, paint
+from refdof.scene.kit.noise import fractal, smooth
+from refdof.scene.kit.textures import blend, paint
 
 __all__ = ["label", "lettering"]
 

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.mesh import Mesh, join, scatter
-from refdof.scenes.noise import fractal, smooth
-from refdof.scenes.plants import blossom, branch, facing, shades
-from refdof.scenes.shapes import leaf, plane, sphere, surface, tube
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import blend, mottled, paint, ramp
+from refdof.scene.kit.mesh import Mesh, join, scatter
+from refdof.scene.kit.noise import fractal, smooth
+from refdof.scene.kit.plants import blossom, branch, facing, shades
+from refdof.scene.kit.shapes import leaf, plane, sphere, surface, tube
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import blend, mottled, paint, ramp
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

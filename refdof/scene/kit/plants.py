@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.mesh import Mesh, join, rotation, scatter
-from refdof.scenes.noise import Noise3
-from refdof.scenes.shapes import leaf, sphere, tube
-from refdof.scenes.textures import paint
+from refdof.scene.kit.mesh import Mesh, join, rotation, scatter
+from refdof.scene.kit.noise import Noise3
+from refdof.scene.kit.shapes import leaf, sphere, tube
+from refdof.scene.kit.textures import paint
 
 __all__ = ["blossom", "branch", "bush", "daisy", "facing", "grass", "shades", "tree"]
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.mesh import Mesh, scatter
-from refdof.scenes.shapes import sphere
+from refdof.scene.kit.mesh import Mesh, scatter
+from refdof.scene.kit.shapes import sphere
 
 __all__ = ["Lamps", "bulbs", "lamp_light", "streaks"]
 

@@ -7,16 +7,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from refdof.scene import Material, Part
-from refdof.scenes.backdrops import sky
-from refdof.scenes.darkening import corner_shade
-from refdof.scenes.masonry import window
-from refdof.scenes.mesh import Mesh, join, scatter
-from refdof.scenes.noise import Noise3, smooth
-from refdof.scenes.plants import blossom, branch, bush, daisy, facing, grass, shades
-from refdof.scenes.shapes import box, lathe, leaf, plane, sphere
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import bricks, cobbles, mottled, paint, planks, wood
+from refdof.scene.kit.backdrops import sky
+from refdof.scene.kit.darkening import corner_shade
+from refdof.scene.kit.masonry import window
+from refdof.scene.kit.mesh import Mesh, join, scatter
+from refdof.scene.kit.noise import Noise3, smooth
+from refdof.scene.kit.plants import blossom, branch, bush, daisy, facing, grass, shades
+from refdof.scene.kit.shapes import box, lathe, leaf, plane, sphere
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import bricks, cobbles, mottled, paint, planks, wood
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -10,8 +10,8 @@ References
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.noise import smooth
-from refdof.scenes.textures import blend, paint, ramp
+from refdof.scene.kit.noise import smooth
+from refdof.scene.kit.textures import blend, paint, ramp
 
 __all__ = ["directions", "studio"]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.scene import Material, Part
+from refdof.scene.scene import Material, Part
 
 __all__ = ["Mesh", "join", "rotation", "scatter"]
 

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from refdof.scene import Material, Part
-from refdof.scenes.backdrops import sky
-from refdof.scenes.cafe import cafe_table
-from refdof.scenes.darkening import beside
-from refdof.scenes.lamplight import Lamps, bulbs, lamp_light, streaks
-from refdof.scenes.masonry import window
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.shapes import box, lathe, plane, surface, tube
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import cobbles, mottled, paint, ramp
-from refdof.scenes.vehicles import car
+from refdof.scene.kit.backdrops import sky
+from refdof.scene.kit.cafe import cafe_table
+from refdof.scene.kit.darkening import beside
+from refdof.scene.kit.lamplight import Lamps, bulbs, lamp_light, streaks
+from refdof.scene.kit.masonry import window
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.shapes import box, lathe, plane, surface, tube
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import cobbles, mottled, paint, ramp
+from refdof.scene.kit.vehicles import car
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

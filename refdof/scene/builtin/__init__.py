@@ -10,8 +10,8 @@ from pkgutil import iter_modules
 import numpy as np
 
 from refdof._check import as_choice
-from refdof.scene import Scene
-from refdof.scenes.shot import Shot, read_shot, shot_places
+from refdof.scene.kit.shot import Shot, read_shot, shot_places
+from refdof.scene.scene import Scene
 
 __all__ = ["SCENES", "built_in", "shot_of"]
 
@@ -35,7 +35,7 @@ def built_in(name: str) -> Scene:
         If there is no such scene, or its file in data/scenes is not as it should be.
     """
     shot = shot_of(name)
-    module = import_module(f"refdof.scenes.{name}")
+    module = import_module(f"{__name__}.{name}")
     parts = module.build(shot, np.random.default_rng(shot.seed))
     light = module.lit(shot) if hasattr(module, "lit") else shot.light
     return Scene.from_parts(name, list(parts), shot.camera, shot.lens, shot.background, light)
@@ -50,4 +50,4 @@ def shot_of(name: str) -> Shot:
         As `built_in`.
     """
     as_choice("scene", name, SCENES)
-    return read_shot(name, import_module(f"refdof.scenes.{name}").NUMBERS)
+    return read_shot(name, import_module(f"{__name__}.{name}").NUMBERS)

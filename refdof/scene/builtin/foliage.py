@@ -7,15 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from refdof.scene import Material, Part
-from refdof.scenes.backdrops import curtain
-from refdof.scenes.darkening import beside
-from refdof.scenes.mesh import Mesh, join, scatter
-from refdof.scenes.noise import Noise3, fractal, smooth
-from refdof.scenes.plants import branch, bush, daisy, facing, grass, shades
-from refdof.scenes.shapes import lathe, leaf, plane, sphere
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import blend, mottled, paint, ramp
+from refdof.scene.kit.backdrops import curtain
+from refdof.scene.kit.darkening import beside
+from refdof.scene.kit.mesh import Mesh, join, scatter
+from refdof.scene.kit.noise import Noise3, fractal, smooth
+from refdof.scene.kit.plants import branch, bush, daisy, facing, grass, shades
+from refdof.scene.kit.shapes import lathe, leaf, plane, sphere
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import blend, mottled, paint, ramp
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.mesh import Mesh, join, rotation
-from refdof.scenes.noise import Noise3
-from refdof.scenes.sculpt import Body, merged, sculpt, soft_union
+from refdof.scene.kit.mesh import Mesh, join, rotation
+from refdof.scene.kit.noise import Noise3
+from refdof.scene.kit.sculpt import Body, merged, sculpt, soft_union
 
 __all__ = ["POSES", "draped", "figure", "head", "statue"]
 

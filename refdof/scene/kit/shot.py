@@ -17,7 +17,7 @@ from refdof._check import InputError, as_color, as_integer, as_number
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.scene import Light
+from refdof.scene.scene import Light
 
 __all__ = ["LAST", "Shot", "parse_shot", "read_shot", "shot_places"]
 
@@ -78,7 +78,7 @@ def shot_places() -> dict[str, int]:
 
 def _folder() -> Traversable:
     """The folder of the files: that of a checkout, if this is one, or the installed one."""
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     if (root / "pyproject.toml").is_file():
         return root / "data" / "scenes"
     return resources.files("refdof.data.scenes")

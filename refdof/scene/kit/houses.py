@@ -6,12 +6,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.darkening import corner_shade
-from refdof.scenes.masonry import window
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.noise import fractal, smooth
-from refdof.scenes.shapes import box, lathe, plane, surface
-from refdof.scenes.textures import blend, paint
+from refdof.scene.kit.darkening import corner_shade
+from refdof.scene.kit.masonry import window
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.noise import fractal, smooth
+from refdof.scene.kit.shapes import box, lathe, plane, surface
+from refdof.scene.kit.textures import blend, paint
 
 __all__ = ["church", "gather", "house", "timbered"]
 

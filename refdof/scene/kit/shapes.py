@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.mesh import Mesh, join
+from refdof.scene.kit.mesh import Mesh, join
 
 __all__ = ["arch", "box", "disc", "lathe", "leaf", "plane", "sphere", "surface", "torus", "tube"]
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.scenes.mesh import Mesh
+from refdof.scene.kit.mesh import Mesh
 
 __all__ = ["Body", "merged", "sculpt", "soft_union"]
 

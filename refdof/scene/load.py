@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import InputError, as_choice, as_color, as_path
-from refdof.mesh_file import load_mesh
-from refdof.scene import SHADINGS, Scene
-from refdof.scenes import SCENES, built_in
+from refdof.scene.builtin import SCENES, built_in
+from refdof.scene.mesh_file import load_mesh
+from refdof.scene.scene import SHADINGS, Scene
 
 __all__ = ["load_scene"]
 

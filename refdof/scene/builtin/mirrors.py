@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from refdof.scene import Light, Material, Part
-from refdof.scenes.darkening import beside, capsule_shadow
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.shapes import lathe, plane, sphere, surface, torus, tube
-from refdof.scenes.shot import Shot
-from refdof.scenes.studio import studio
-from refdof.scenes.textures import mottled, paint, planks
+from refdof.scene.kit.darkening import beside, capsule_shadow
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.shapes import lathe, plane, sphere, surface, torus, tube
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.studio import studio
+from refdof.scene.kit.textures import mottled, paint, planks
+from refdof.scene.scene import Light, Material, Part
 
 __all__ = ["NUMBERS", "build", "lit"]
 

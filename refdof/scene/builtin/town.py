@@ -8,17 +8,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.backdrops import sky
-from refdof.scenes.darkening import beside, capsule_shadow
-from refdof.scenes.houses import church, gather, house, timbered
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.noise import Noise3, smooth
-from refdof.scenes.plants import tree
-from refdof.scenes.shapes import box, lathe, surface
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import bricks, cobbles, mottled, paint
-from refdof.scenes.vehicles import car
+from refdof.scene.kit.backdrops import sky
+from refdof.scene.kit.darkening import beside, capsule_shadow
+from refdof.scene.kit.houses import church, gather, house, timbered
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.noise import Noise3, smooth
+from refdof.scene.kit.plants import tree
+from refdof.scene.kit.shapes import box, lathe, surface
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import bricks, cobbles, mottled, paint
+from refdof.scene.kit.vehicles import car
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

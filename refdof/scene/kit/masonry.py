@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from refdof.scenes.darkening import corner_shade
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.shapes import box, lathe, plane
+from refdof.scene.kit.darkening import corner_shade
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.shapes import box, lathe, plane
 
 __all__ = ["baluster", "column", "window"]
 

@@ -8,14 +8,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.darkening import beside, capsule_shadow, corner_shade
-from refdof.scenes.labels import label
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.noise import Noise3
-from refdof.scenes.shapes import box, lathe, leaf, plane, sphere
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import paint, planks, tiles, wood
+from refdof.scene.kit.darkening import beside, capsule_shadow, corner_shade
+from refdof.scene.kit.labels import label
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.noise import Noise3
+from refdof.scene.kit.shapes import box, lathe, leaf, plane, sphere
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import paint, planks, tiles, wood
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

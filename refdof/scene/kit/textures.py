@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from refdof._check import Float
-from refdof.scenes.noise import fractal, smooth, value_noise
+from refdof.scene.kit.noise import fractal, smooth, value_noise
 
 __all__ = [
     "blend",

@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.darkening import beside
-from refdof.scenes.lamplight import Lamps, lamp_light
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.plants import blossom
-from refdof.scenes.shapes import box, disc, lathe, leaf, sphere, surface, torus, tube
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import cloth, mottled, paint, planks, ramp
+from refdof.scene.kit.darkening import beside
+from refdof.scene.kit.lamplight import Lamps, lamp_light
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.plants import blossom
+from refdof.scene.kit.shapes import box, disc, lathe, leaf, sphere, surface, torus, tube
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import cloth, mottled, paint, planks, ramp
+from refdof.scene.scene import Material, Part
 
 __all__ = ["cafe_table"]
 

@@ -8,15 +8,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from refdof._check import Float
-from refdof.scene import Material, Part
-from refdof.scenes.backdrops import sky
-from refdof.scenes.darkening import beside, corner_shade
-from refdof.scenes.masonry import baluster, column
-from refdof.scenes.mesh import Mesh, join
-from refdof.scenes.noise import smooth
-from refdof.scenes.shapes import arch, box, disc, lathe, leaf, plane, surface
-from refdof.scenes.shot import Shot
-from refdof.scenes.textures import bricks, cloth, mottled, paint, stone, tiles
+from refdof.scene.kit.backdrops import sky
+from refdof.scene.kit.darkening import beside, corner_shade
+from refdof.scene.kit.masonry import baluster, column
+from refdof.scene.kit.mesh import Mesh, join
+from refdof.scene.kit.noise import smooth
+from refdof.scene.kit.shapes import arch, box, disc, lathe, leaf, plane, surface
+from refdof.scene.kit.shot import Shot
+from refdof.scene.kit.textures import bricks, cloth, mottled, paint, stone, tiles
+from refdof.scene.scene import Material, Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -1,0 +1,1 @@
+"""Scenes: triangles, materials and light, from files or built in."""

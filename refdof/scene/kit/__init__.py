@@ -1,0 +1,1 @@
+"""Kit: what the built-in scenes are built with."""
