@@ -21,9 +21,9 @@ from refdof._jit import borrow, call_address, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
 from refdof.optics.opening import borrow_opening, is_plain_disc, lens_point
 from refdof.optics.owen import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
-from refdof.raster.raycast import LANES, ROWS, Row
-from refdof.shading import shade
-from refdof.surfaces import borrow_surfaces, intersect
+from refdof.raster.rays.raycast import LANES, ROWS, Row
+from refdof.raster.rays.shading import shade
+from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 
 __all__ = ["tile_order", "trace_block"]
 

@@ -14,7 +14,7 @@ from refdof.image.noise_floor import GROUPS, noise_moments
 from refdof.lens_rays import tile_order, trace_block
 from refdof.optics.opening import opening_of
 from refdof.optics.owen import block_of
-from refdof.raster.raycast import new_packets, new_query
+from refdof.raster.rays.raycast import new_packets, new_query
 from refdof.small_lights import first_samples
 from refdof.view import View
 

@@ -16,11 +16,11 @@ from refdof._check import Float, Index, as_instance, as_integer
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.shot import Shot, shot_of
-from refdof.raster.peel import Layers, count_surfaces, peel
-from refdof.raster.raycast import Tracer, new_tracer
-from refdof.raster.umbra import umbra_step
+from refdof.raster.rays.peel import Layers, count_surfaces, peel
+from refdof.raster.rays.raycast import Tracer, new_tracer
+from refdof.raster.rays.surfaces import Surfaces, surfaces_of
+from refdof.raster.rays.umbra import umbra_step
 from refdof.scene.scene import Scene
-from refdof.surfaces import Surfaces, surfaces_of
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
@@ -118,7 +118,9 @@ class View:
         return self.product(f"layers {count or 'all'}", build)
 
     def umbra_layers(self, count: int | None = None, extent_px: int = 2) -> Layers:
-        """The nearest `count` surfaces that the lens can see past the ones before, `refdof.raster.umbra`; None: all."""
+        """The nearest `count` surfaces that the lens can see past the ones before, `refdof.raster.rays.umbra`; None:
+        all.
+        """
         count, extent_px = _as_count(count), as_integer("extent_px", extent_px, minimum=1, maximum=2)
 
         def build() -> Layers:

@@ -23,9 +23,10 @@ from refdof.forecast import forecast_of_view
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture, umbra
+from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture
 from refdof.raster.depth_peeling import peel_raster
 from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.rays import umbra
 from refdof.raster.triangles import rasterize
 from refdof.reference import reference_of_view
 from refdof.rendering import make_params, render_view
@@ -303,13 +304,13 @@ DOORS: dict[str, Door] = {
         {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
         True,
     ),
-    "refdof.raster.umbra.survivors": Door(
+    "refdof.raster.rays.umbra.survivors": Door(
         umbra.survivors, {"depth": np.stack([DEPTH, DEPTH]), "camera": CAMERA, "lens": LENS, "extent_px": 2}
     ),
-    "refdof.raster.umbra.umbra_step": Door(
+    "refdof.raster.rays.umbra.umbra_step": Door(
         umbra.umbra_step, {"camera": CAMERA, "lens": LENS, "extent_px": 2}, any_result=True
     ),
-    "refdof.raster.umbra.worst_case_layers": Door(
+    "refdof.raster.rays.umbra.worst_case_layers": Door(
         umbra.worst_case_layers,
         {"camera": CAMERA, "lens": LENS, "near": 1.0, "far": 9.0, "extent_px": 2},
         {"near": ("far",)},
@@ -402,7 +403,7 @@ INNER = {
     "refdof.raster.texture.as_texture",
     "refdof.raster.texture.at_texels",
     "refdof.raster.triangles.Raster",
-    "refdof.raster.umbra.reach_beyond",
+    "refdof.raster.rays.umbra.reach_beyond",
     "refdof.reference.Reference",
     "refdof.reference.as_most",
     "refdof.reference.as_seed",

@@ -13,7 +13,7 @@ from refdof import Camera, ThinLens
 from refdof._check import InputError
 from refdof.optics.aperture import Aperture
 from refdof.optics.lens_maps import concentric_disc
-from refdof.raster.umbra import umbra_step
+from refdof.raster.rays.umbra import umbra_step
 
 
 def midpoints(n):

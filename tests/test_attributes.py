@@ -7,7 +7,7 @@ import stage
 
 from refdof import Light, Material, Part, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.raster.attributes import ATTRIBUTES, attributes_of, shade_attributes
+from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of, shade_attributes
 
 FLOAT32 = 2.0**-23
 

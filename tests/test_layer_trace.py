@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
 from refdof.optics.lens_pattern import LensPattern
-from refdof.raster.attributes import ATTRIBUTES
 from refdof.raster.layer_trace import new_stack, trace_layers
+from refdof.raster.rays.attributes import ATTRIBUTES
 
 pytestmark = pytest.mark.fast
 BACKGROUND = (0.25, 0.5, 0.75)

@@ -9,7 +9,7 @@ from closed_forms import circle_of_confusion, half_disc
 import refdof
 from refdof import Material, Part, ThinLens, View
 from refdof.metrics import psnr
-from refdof.raster.umbra import survivors, worst_case_layers
+from refdof.raster.rays.umbra import survivors, worst_case_layers
 from refdof.rendering import render_view
 
 BACKGROUND = (0.25, 0.5, 0.75)

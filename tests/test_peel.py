@@ -6,8 +6,8 @@ import stage
 
 from refdof import Part, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.raster.peel import _insert
-from refdof.raster.umbra import umbra_step
+from refdof.raster.rays.peel import _insert
+from refdof.raster.rays.umbra import umbra_step
 
 pytestmark = pytest.mark.fast
 

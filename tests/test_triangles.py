@@ -12,8 +12,8 @@ from refdof._jit import thread_count, use_threads
 from refdof.raster.ambiguity import ambiguous_pixels
 from refdof.raster.depth_peeling import peel_raster
 from refdof.raster.gpu_model import LLVMPIPE, GpuModel
+from refdof.raster.rays.umbra import survivors, umbra_step
 from refdof.raster.triangles import rasterize
-from refdof.raster.umbra import survivors, umbra_step
 
 CAMERA = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=60.0, size=(12, 9))
 ALONE = np.array([[0, 1, 2]])

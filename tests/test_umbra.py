@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from refdof import Camera, InputError, ThinLens
-from refdof.raster.umbra import survivors, umbra_step, worst_case_layers
+from refdof.raster.rays.umbra import survivors, umbra_step, worst_case_layers
 
 # The paper's worst case: 30 degrees, from 1 m on, lens radius 9 mm, 600 rows.
 CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=30.0, size=(800, 600))

@@ -29,7 +29,7 @@ from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
 from refdof.raster.coverage import coverage_mipmaps
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.surfaces import Surfaces, borrow_surfaces
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
 

@@ -11,10 +11,10 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
-from refdof.raster.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.raster.ray_doubt import in_doubt
-from refdof.surfaces import Surfaces, borrow_surfaces
+from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]
 

@@ -44,9 +44,9 @@ from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.method_record import Method
 from refdof.optics.lens_pattern import JITTERS, lens_pattern
 from refdof.optics.sampling import PATTERNS
-from refdof.raster.attributes import attributes_of
 from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
-from refdof.raster.peel import Layers
+from refdof.raster.rays.attributes import attributes_of
+from refdof.raster.rays.peel import Layers
 from refdof.trace import Trace
 from refdof.view import View
 

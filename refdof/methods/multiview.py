@@ -10,8 +10,9 @@
 Stages, with K layers that are not empty out of L, S depth buffers of the first pass, N lens points, c in px:
 "bounds" (L + 1,) c; "source_coc", "source_triangle" (S, H, W): first pass; "layer_number" (K,); "layer_interval" (K, 2)
 c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "layer_surface" (K, H, W, 3 or 13):
-linear RGB or attributes (`refdof.raster.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2), "lens_weights"
-(sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves the image;
+linear RGB or attributes (`refdof.raster.rays.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2),
+"lens_weights" (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves
+the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N): `refdof.raster.ray_doubt`. With
 cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels" (M, 3), and hits are the first ones of the
 cones' middle rays.
@@ -67,10 +68,10 @@ from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
 from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.optics.sampling import PATTERNS, lens_samples
-from refdof.raster.attributes import ATTRIBUTES, attributes_of
 from refdof.raster.decomposition import Decomposition, copies, decompose
 from refdof.raster.height_field import Fields, Search, fields_of
-from refdof.raster.layer_color import colors_of
+from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of
+from refdof.raster.rays.layer_color import colors_of
 from refdof.trace import Trace
 from refdof.view import View
 

@@ -9,7 +9,7 @@ Unlike exact layers, triangles at one depth in one pixel count once, as on a GPU
 References
 ----------
 .. [1] Everitt (2001), Interactive Order-Independent Transparency.
-.. [2] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control; see `refdof.raster.umbra`.
+.. [2] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control; see `refdof.raster.rays.umbra`.
 """
 
 from typing import Any
@@ -35,8 +35,8 @@ def peel_raster(
     count : int, or None
         Most layers to make; None: all. Layers that would be empty are not made, but for the first.
     umbra : float
-        What `refdof.raster.umbra.umbra_step` gives [1 / scene unit]: surfaces within the umbra of the last layer are
-        left out. 0 leaves out none; infinite leaves one layer.
+        What `refdof.raster.rays.umbra.umbra_step` gives [1 / scene unit]: surfaces within the umbra of the last layer
+        are left out. 0 leaves out none; infinite leaves one layer.
     **options
         Those of `rasterize`, but for `previous_depth`.
 

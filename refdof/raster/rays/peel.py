@@ -6,8 +6,8 @@ ray at the same depth, have one stated order. A ray through an edge or a corner 
 meets that surface once: the lowest triangle id is kept. At a silhouette, front and back meet the ray in one point and
 both count.
 
-With an umbra step, only the surfaces that the lens can see past the one before are kept, as `refdof.raster.umbra` has
-it: what is dropped is never stored.
+With an umbra step, only the surfaces that the lens can see past the one before are kept, as `refdof.raster.rays.umbra`
+has it: what is dropped is never stored.
 
 References
 ----------
@@ -22,10 +22,10 @@ import numpy as np
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
 from refdof.optics.shot import Shot
-from refdof.raster.raycast import Tracer, new_collector
-from refdof.raster.umbra import reach_beyond
-from refdof.shading import shade, shading_normal
-from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+from refdof.raster.rays.raycast import Tracer, new_collector
+from refdof.raster.rays.shading import shade, shading_normal
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
+from refdof.raster.rays.umbra import reach_beyond
 
 __all__ = ["Layers", "count_surfaces", "peel"]
 

@@ -5,8 +5,8 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.optics.shot import Shot
-from refdof.shading import shade
-from refdof.surfaces import Surfaces, borrow_surfaces, intersect
+from refdof.raster.rays.shading import shade
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
 
 __all__ = ["colors_of", "pinhole_hit"]
 

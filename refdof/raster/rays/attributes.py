@@ -16,10 +16,10 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.optics.shot import Shot
-from refdof.raster.layer_color import pinhole_hit
+from refdof.raster.rays.layer_color import pinhole_hit
+from refdof.raster.rays.shading import lit, shading_normal, surface_color
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 from refdof.scene.scene import SHADINGS
-from refdof.shading import lit, shading_normal, surface_color
-from refdof.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["ATTRIBUTES", "attributes_of", "shade_attributes"]
 

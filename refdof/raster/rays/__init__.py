@@ -1,0 +1,1 @@
+"""Rays: exact surfaces along the rays of pixels, and their colours."""
