@@ -23,11 +23,12 @@ from refdof.forecast import forecast_of_view
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster import ambiguity, coverage, gpu_model, matting, mipmap, nbuffer, texture
-from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster import coverage, matting, mipmap, nbuffer
+from refdof.raster.gpu import ambiguity, gpu_model, texture
+from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.triangles import rasterize
 from refdof.raster.rays import umbra
-from refdof.raster.triangles import rasterize
 from refdof.reference import reference_of_view
 from refdof.rendering import make_params, render_view
 from refdof.scene.load import load_scene
@@ -229,12 +230,12 @@ DOORS: dict[str, Door] = {
         {"reference": ("standard_error",)},
         True,
     ),
-    "refdof.raster.ambiguity.ambiguous_pixels": Door(
+    "refdof.raster.gpu.ambiguity.ambiguous_pixels": Door(
         ambiguity.ambiguous_pixels,
         {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "depth": DEPTH[None], "model": EXACT},
         {"vertices": ("faces",), "camera": ("depth",)},
     ),
-    "refdof.raster.ambiguity.near_edges": Door(
+    "refdof.raster.gpu.ambiguity.near_edges": Door(
         ambiguity.near_edges,
         {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "reach_px": 0.5},
         {"vertices": ("faces",)},
@@ -246,14 +247,14 @@ DOORS: dict[str, Door] = {
         {"covered": ("color",)},
         any_result=True,
     ),
-    "refdof.raster.depth_peeling.peel_raster": Door(
+    "refdof.raster.gpu.depth_peeling.peel_raster": Door(
         peel_raster,
         {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "count": 2, "umbra": 0.0},
         {"vertices": ("faces",)},
         any_result=True,
     ),
-    "refdof.raster.gpu_model.GpuModel": Door(GpuModel, {f.name: getattr(EXACT, f.name) for f in fields(GpuModel)}),
-    "refdof.raster.gpu_model.store": Door(
+    "refdof.raster.gpu.gpu_model.GpuModel": Door(GpuModel, {f.name: getattr(EXACT, f.name) for f in fields(GpuModel)}),
+    "refdof.raster.gpu.gpu_model.store": Door(
         gpu_model.store, {"values": COLOR, "texture_format": "f16", "model": EXACT}, any_result=True
     ),
     "refdof.raster.matting.layer_coordinate": Door(
@@ -281,24 +282,24 @@ DOORS: dict[str, Door] = {
         {"x0": ("x1", "y0", "x1", "y1"), "y0": ("y1",)},
         any_result=True,
     ),
-    "refdof.raster.texture.bilinear": Door(
+    "refdof.raster.gpu.texture.bilinear": Door(
         texture.bilinear, _TEXTURE | {"u": PLACES, "v": PLACES, "border": None}, {"u": ("u, v",), "v": ("u, v",)}, True
     ),
-    "refdof.raster.texture.fetch": Door(
+    "refdof.raster.gpu.texture.fetch": Door(
         texture.fetch, _TEXTURE | {"x": INDICES, "y": INDICES}, {"x": ("x, y",), "y": ("x, y",)}, True
     ),
-    "refdof.raster.texture.level_of_detail": Door(
+    "refdof.raster.gpu.texture.level_of_detail": Door(
         texture.level_of_detail,
         {"squared": PLACES, "model": EXACT, "bias": 0.5},
         {"squared": ("squared, bias",), "bias": ("squared, bias",)},
     ),
-    "refdof.raster.texture.trilinear": Door(
+    "refdof.raster.gpu.texture.trilinear": Door(
         texture.trilinear,
         {"levels": [COLOR, COLOR[:1, :1]], "u": PLACES, "v": PLACES, "lod": PLACES, "model": EXACT, "border": None},
         {"u": ("u, v, lod",), "v": ("u, v, lod",), "lod": ("u, v, lod",)},
         True,
     ),
-    "refdof.raster.triangles.rasterize": Door(
+    "refdof.raster.gpu.triangles.rasterize": Door(
         _with(rasterize),
         _RASTER | {"previous_depth": None},
         {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
@@ -394,15 +395,15 @@ INNER = {
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
-    "refdof.raster.ambiguity.tied_depths",
+    "refdof.raster.gpu.ambiguity.tied_depths",
     "refdof.raster.matting.matte",
     "refdof.raster.nbuffer.Extremes",
     "refdof.raster.nbuffer.NBuffer",
     "refdof.raster.nbuffer.highest_in",
     "refdof.raster.nbuffer.lowest_in",
-    "refdof.raster.texture.as_texture",
-    "refdof.raster.texture.at_texels",
-    "refdof.raster.triangles.Raster",
+    "refdof.raster.gpu.texture.as_texture",
+    "refdof.raster.gpu.texture.at_texels",
+    "refdof.raster.gpu.triangles.Raster",
     "refdof.raster.rays.umbra.reach_beyond",
     "refdof.reference.Reference",
     "refdof.reference.as_most",

@@ -7,9 +7,9 @@ import shapely
 import trimesh
 
 from refdof import SCENES, Camera, InputError, View, load_scene
-from refdof.raster.ambiguity import ambiguous_pixels, near_edges, tied_depths
-from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.gpu_model import D3D11, EXACT, LLVMPIPE
+from refdof.raster.gpu.ambiguity import ambiguous_pixels, near_edges, tied_depths
+from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
 
 LAYERS = 6
 

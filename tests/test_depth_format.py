@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof import Camera, InputError
-from refdof.raster.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
-from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.triangles import rasterize
+from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
+from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.triangles import rasterize
 
 CAMERA = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=60.0, size=(12, 9))
 SHORT = DEPTH_FORMATS[1:]

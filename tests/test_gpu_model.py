@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from refdof._check import InputError
-from refdof.raster.gpu_model import D3D11, EXACT, FORMATS, LLVMPIPE, GpuModel, store
+from refdof.raster.gpu.gpu_model import D3D11, EXACT, FORMATS, LLVMPIPE, GpuModel, store
 
 MODELS = {"exact": EXACT, "llvmpipe": LLVMPIPE, "d3d11": D3D11}
 every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)

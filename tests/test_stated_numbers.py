@@ -19,7 +19,9 @@ def test_tails_that_gaussians_lose():
 
 def test_error_of_the_linear_logarithm():
     m = np.linspace(1.0, 2.0, 100_001)
-    assert round(float((0.5 * (np.log2(m) - (m - 1.0))).max()), 3) == 0.043  # of a square's, refdof/raster/texture.py
+    assert (
+        round(float((0.5 * (np.log2(m) - (m - 1.0))).max()), 3) == 0.043
+    )  # of a square's, refdof/raster/gpu/texture.py
 
 
 @pytest.mark.parametrize(("above", "share"), [(0.0, 0.5), (2.0, 0.006)])

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from refdof import Camera, InputError, View, load_scene
 from refdof._jit import thread_count, use_threads
-from refdof.raster.ambiguity import ambiguous_pixels
-from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.gpu_model import LLVMPIPE, GpuModel
+from refdof.raster.gpu.ambiguity import ambiguous_pixels
+from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.gpu_model import LLVMPIPE, GpuModel
+from refdof.raster.gpu.triangles import rasterize
 from refdof.raster.rays.umbra import survivors, umbra_step
-from refdof.raster.triangles import rasterize
 
 CAMERA = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=60.0, size=(12, 9))
 ALONE = np.array([[0, 1, 2]])

@@ -45,7 +45,7 @@ from refdof._check import Float, InputError, as_choice, as_instance, as_integer,
 from refdof.method_record import LARGEST_RADIUS, Method, level_shares
 from refdof.methods._images import as_images, within
 from refdof.raster.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
-from refdof.raster.gpu_model import LLVMPIPE, store
+from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.raster.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.trace import Trace
 from refdof.view import View

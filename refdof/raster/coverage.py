@@ -1,7 +1,7 @@
 """Coverage: mip chains of pictures with holes, whose alpha is the part of a texel where there is something.
 
 1. colour times coverage, coverage as last channel    `coverage_mipmaps`
-2. read levels as any texture                         `refdof.raster.texture.trilinear`
+2. read levels as any texture                         `refdof.raster.gpu.texture.trilinear`
 3. divide by coverage: the mean of what is there      `average_color`
 
 References
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, shape_of
-from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.mipmap import generate_mipmaps
 
 __all__ = ["average_color", "coverage_mipmaps"]

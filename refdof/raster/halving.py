@@ -1,8 +1,8 @@
 """Halving: one mip level from the finer one, row by row, for pipelines that round exactly.
 
-Rows are flat, (H, W C): texel x of a row starts at x C. The same bits as the reads of `refdof.raster.texture` at the
-coarser texels' centres, which of even sizes lie midway between four finer texels. Its strict rules differ from plain
-arithmetic only where that gives infinities or NaN: such texels are read again by the rules.
+Rows are flat, (H, W C): texel x of a row starts at x C. The same bits as the reads of `refdof.raster.gpu.texture` at
+the coarser texels' centres, which of even sizes lie midway between four finer texels. Its strict rules differ from
+plain arithmetic only where that gives infinities or NaN: such texels are read again by the rules.
 
 1. means of four texels                      `halve_box`
 2. bilinear reads midway between four        `halve_linear`
@@ -14,7 +14,7 @@ import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.row_registers import blend_along, blend_squares, mean_squares
-from refdof.raster.filters import Rules, lerp
+from refdof.raster.gpu.filters import Rules, lerp
 
 __all__ = ["halve_box", "halve_gaussian", "halve_highest", "halve_linear", "halve_lowest"]
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_number
 from refdof._jit import kernel, prange
-from refdof.raster.filters import fused_multiply_add
-from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.filters import fused_multiply_add
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.texture import as_texture, at_texels
 from refdof.raster.halving import halve_box, halve_gaussian, halve_highest, halve_linear, halve_lowest
-from refdof.raster.texture import as_texture, at_texels
 
 __all__ = ["box_mipmaps", "extreme_mipmaps", "gaussian_mipmaps", "generate_mipmaps"]
 

@@ -5,8 +5,8 @@ import pytest
 
 from gl import geometry
 from refdof import Camera
-from refdof.raster.gpu_model import D3D11, LLVMPIPE
-from refdof.raster.triangles import rasterize
+from refdof.raster.gpu.gpu_model import D3D11, LLVMPIPE
+from refdof.raster.gpu.triangles import rasterize
 
 pytestmark = pytest.mark.gl
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gl import shader
-from refdof.raster.gpu_model import LLVMPIPE, store
+from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 
 pytestmark = pytest.mark.gl
 

@@ -1,10 +1,10 @@
 """Triangles to pixels as a GPU draws them: clip, project, snap, cover by integer edge functions, keep the nearest.
 
-1. clip, project and snap every triangle         `refdof.raster.clip`
-2. sort the pieces into tiles                    `refdof.raster.bins`
+1. clip, project and snap every triangle         `refdof.raster.gpu.clip`
+2. sort the pieces into tiles                    `refdof.raster.gpu.bins`
 3. cover each tile's pixel centres               `_draw_tile`, edge functions [1]
 4. depth and barycentrics of the triangle's plane `_plane`, homogeneous [2]
-5. store depth, keep the nearest                 `_keep`, `refdof.raster.depth_format`
+5. store depth, keep the nearest                 `_keep`, `refdof.raster.gpu.depth_format`
 
 Fill rule: a pixel centre on an edge belongs to the triangle whose left edge it is, or whose horizontal edge of lowest
 row; with row 0 on top that is the top edge (the top-left rule). So triangles that share an edge never share a pixel
@@ -35,10 +35,10 @@ from refdof._check import (
 )
 from refdof._jit import inline, run_tasks, tile_kernel
 from refdof.optics.camera import Camera
-from refdof.raster.bins import TILE_PX, bins_of
-from refdof.raster.clip import pieces_of, snapped
-from refdof.raster.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
-from refdof.raster.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.bins import TILE_PX, bins_of
+from refdof.raster.gpu.clip import pieces_of, snapped
+from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 
 __all__ = ["FINEST_BITS", "NEAR", "Raster", "rasterize"]
 
@@ -87,7 +87,7 @@ def rasterize(
         which whole numbers decide coverage.
     precision : "float64", "float32" or None
         Of depth and barycentrics; None: float64 with the exact model, which alone has it, else float32.
-    depth_format : one of `refdof.raster.depth_format.DEPTH_FORMATS`
+    depth_format : one of `refdof.raster.gpu.depth_format.DEPTH_FORMATS`
         How depths are stored and compared.
     previous_depth : (H, W), or None
         Fragments that are stored as this depth or as a nearer one are rejected: depth peeling.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._jit import inline
-from refdof.raster.gpu_model import GpuModel
+from refdof.raster.gpu.gpu_model import GpuModel
 
 __all__ = ["Rules", "bilinear_at", "fused_multiply_add", "lerp", "rules_of", "split", "texel_at"]
 

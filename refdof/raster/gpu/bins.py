@@ -6,7 +6,7 @@ import numpy as np
 
 from refdof._check import Index
 from refdof._jit import tile_kernel
-from refdof.raster.clip import Pieces
+from refdof.raster.gpu.clip import Pieces
 
 __all__ = ["TILE_PX", "Bins", "bins_of"]
 

@@ -1,8 +1,8 @@
 """Bilinear and trilinear reads of many points, for textures of floats.
 
-1. find the four texels around a point, and weights      `refdof.raster.filters.split`
+1. find the four texels around a point, and weights      `refdof.raster.gpu.filters.split`
 2. blend them by plain arithmetic, if that may do        `_blend`
-3. by the model's rules, if it may not or did not        `refdof.raster.filters.bilinear_at`
+3. by the model's rules, if it may not or did not        `refdof.raster.gpu.filters.bilinear_at`
 4. blend two levels, one level of all points at a time   `read_level`
 
 Plain arithmetic differs from the strict rules only where it gives infinities or NaN, or a weight is rounded to 1.
@@ -13,7 +13,7 @@ import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import blend_texels
-from refdof.raster.filters import bilinear_at, lerp, split
+from refdof.raster.gpu.filters import bilinear_at, lerp, split
 
 __all__ = ["read_level", "read_points"]
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_instance, shape_of
 from refdof._jit import kernel, prange
-from refdof.raster.filters import rules_of
-from refdof.raster.gpu_model import EXACT, GpuModel, decode_unorm
-from refdof.raster.reads import read_level, read_points
+from refdof.raster.gpu.filters import rules_of
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel, decode_unorm
+from refdof.raster.gpu.reads import read_level, read_points
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
 

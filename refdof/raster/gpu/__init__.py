@@ -1,0 +1,1 @@
+"""GPU: triangles, depth and textures, rounded as a graphics pipeline rounds them."""
