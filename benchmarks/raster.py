@@ -30,12 +30,12 @@ from gl import shader
 
 import refdof
 from refdof._jit import kernel, prange, thread_count
+from refdof.raster.filters.halving import halve_gaussian
+from refdof.raster.filters.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
+from refdof.raster.filters.nbuffer import n_buffer, query
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.texture import bilinear, trilinear
 from refdof.raster.gpu.triangles import rasterize
-from refdof.raster.halving import halve_gaussian
-from refdof.raster.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
-from refdof.raster.nbuffer import n_buffer, query
 
 BANDWIDTH_TARGET = 3.0  # times the limit
 LAYERS = 4

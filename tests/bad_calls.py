@@ -23,7 +23,8 @@ from refdof.forecast import forecast_of_view
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster import coverage, matting, mipmap, nbuffer
+from refdof.raster import coverage, matting
+from refdof.raster.filters import mipmap, nbuffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
@@ -262,14 +263,16 @@ DOORS: dict[str, Door] = {
         {"depth": DEPTH, "bounds": np.array([1.0, 2.0, 5.0]), "boundary": "extrapolate", "dtype": np.float32},
     ),
     "refdof.raster.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
-    "refdof.raster.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
-    "refdof.raster.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
-    "refdof.raster.mipmap.gaussian_mipmaps": Door(mipmap.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True),
-    "refdof.raster.mipmap.generate_mipmaps": Door(mipmap.generate_mipmaps, _TEXTURE, any_result=True),
-    "refdof.raster.nbuffer.n_buffer": Door(
+    "refdof.raster.filters.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
+    "refdof.raster.filters.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
+    "refdof.raster.filters.mipmap.gaussian_mipmaps": Door(
+        mipmap.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True
+    ),
+    "refdof.raster.filters.mipmap.generate_mipmaps": Door(mipmap.generate_mipmaps, _TEXTURE, any_result=True),
+    "refdof.raster.filters.nbuffer.n_buffer": Door(
         nbuffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
     ),
-    "refdof.raster.nbuffer.query": Door(
+    "refdof.raster.filters.nbuffer.query": Door(
         nbuffer.query,
         {
             "nbuffer": nbuffer.n_buffer(DEPTH),
@@ -397,10 +400,10 @@ INNER = {
     "refdof.image.noise_floor.noise_moments",
     "refdof.raster.gpu.ambiguity.tied_depths",
     "refdof.raster.matting.matte",
-    "refdof.raster.nbuffer.Extremes",
-    "refdof.raster.nbuffer.NBuffer",
-    "refdof.raster.nbuffer.highest_in",
-    "refdof.raster.nbuffer.lowest_in",
+    "refdof.raster.filters.nbuffer.Extremes",
+    "refdof.raster.filters.nbuffer.NBuffer",
+    "refdof.raster.filters.nbuffer.highest_in",
+    "refdof.raster.filters.nbuffer.lowest_in",
     "refdof.raster.gpu.texture.as_texture",
     "refdof.raster.gpu.texture.at_texels",
     "refdof.raster.gpu.triangles.Raster",

@@ -10,9 +10,9 @@ from scipy import ndimage
 from refdof._check import InputError
 from refdof._jit import thread_count, use_threads
 from refdof.raster.coverage import average_color, coverage_mipmaps
+from refdof.raster.filters.mipmap import box_mipmaps, extreme_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.gpu.gpu_model import EXACT
 from refdof.raster.gpu.texture import trilinear
-from refdof.raster.mipmap import box_mipmaps, extreme_mipmaps, gaussian_mipmaps, generate_mipmaps
 
 # Reads like EXACT, but is not equal to it: takes the way of general reads.
 SLOW = dataclasses.replace(EXACT, subpixel_bits=8)

@@ -13,8 +13,8 @@ from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, texture_reads
 from refdof.raster.anisotropic import foreground_blur, halve
+from refdof.raster.filters.mipmap import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.raster.mipmap import gaussian_mipmaps
 from refdof.trace import Trace
 
 SIZES = [(1, 1), (1, 7), (13, 1), (8, 8), (7, 11)]

@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from refdof._check import InputError
 from refdof._jit import thread_count, tile_kernel, use_threads
-from refdof.raster.nbuffer import highest_in, lowest_in, n_buffer, query
+from refdof.raster.filters.nbuffer import highest_in, lowest_in, n_buffer, query
 
 SIZES = [(1, 1), (1, 9), (7, 1), (2, 2), (13, 17), (16, 16), (5, 33)]
 

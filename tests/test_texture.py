@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof._check import InputError
+from refdof.raster.filters.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.gpu.filters import fused_multiply_add
 from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
-from refdof.raster.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
 
 SHAPES = [(1, 1), (1, 7), (5, 3), (8, 8)]
 every_model = pytest.mark.parametrize("model", [EXACT, LLVMPIPE, D3D11], ids=["exact", "llvmpipe", "d3d11"])

@@ -62,9 +62,9 @@ from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, laye
 from refdof.methods._cascaded_layers import Layering, cluster_layers, filter_layers, without_foremost
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.raster.filters.nbuffer import n_buffer
 from refdof.raster.gaussian import gaussian_blur
 from refdof.raster.matting import RAMPS
-from refdof.raster.nbuffer import n_buffer
 from refdof.raster.quick_blurs import box_blur, pyramid_blur
 from refdof.trace import Trace
 from refdof.view import View

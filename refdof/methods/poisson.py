@@ -36,8 +36,8 @@ from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import blend_texels
 from refdof.method_record import Method
 from refdof.methods._images import as_images, depth_in_range, within
-from refdof.raster.magnify import texels_around
-from refdof.raster.mipmap import box_mipmaps
+from refdof.raster.filters.bilinear import texels_around
+from refdof.raster.filters.mipmap import box_mipmaps
 from refdof.trace import Trace
 from refdof.view import View
 

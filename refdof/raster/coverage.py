@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, shape_of
+from refdof.raster.filters.mipmap import generate_mipmaps
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
-from refdof.raster.mipmap import generate_mipmaps
 
 __all__ = ["average_color", "coverage_mipmaps"]
 

@@ -20,8 +20,8 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
+from refdof.raster.filters.nbuffer import n_buffer
 from refdof.raster.footprint import narrow, ray_bounds
-from refdof.raster.nbuffer import n_buffer
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers

@@ -17,8 +17,9 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import INWARD, read_circle
 from refdof.raster.anisotropic import Chain
+from refdof.raster.filters.bilinear import texels_around
 
-__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur", "texels_around"]
+__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur"]
 
 _ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
 _LOG2_E2 = 2.0 / np.log(2.0)
@@ -256,14 +257,6 @@ def _log2(value):
 def _power(a, b, beta):
     """a^(1 - beta) b^beta of numbers >= 0."""
     return type(a)(np.float64(a) ** (1.0 - np.float64(beta)) * np.float64(b) ** np.float64(beta))
-
-
-@inline
-def texels_around(place, size):
-    """The two texels around `place` [texels from the corner], cut at the border, and the second's weight."""
-    centred = min(max(place - type(place)(0.5), type(place)(0)), type(place)(size - 1))
-    first = int(centred)
-    return first, min(first + 1, size - 1), centred - type(place)(first)
 
 
 @inline

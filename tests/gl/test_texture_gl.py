@@ -6,9 +6,9 @@ import pytest
 
 from gl import shader
 from refdof.raster.coverage import coverage_mipmaps
+from refdof.raster.filters.mipmap import generate_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
-from refdof.raster.mipmap import generate_mipmaps
 
 pytestmark = pytest.mark.gl
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_number
 from refdof._jit import kernel, prange
+from refdof.raster.filters.halving import halve_box, halve_gaussian, halve_highest, halve_linear, halve_lowest
 from refdof.raster.gpu.filters import fused_multiply_add
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.texture import as_texture, at_texels
-from refdof.raster.halving import halve_box, halve_gaussian, halve_highest, halve_linear, halve_lowest
 
 __all__ = ["box_mipmaps", "extreme_mipmaps", "gaussian_mipmaps", "generate_mipmaps"]
 
@@ -136,7 +136,7 @@ def extreme_mipmaps(depth: Any) -> tuple[list[Float], list[Float]]:
     Parameters
     ----------
     depth : (H, W) float32 or float64
-        Any values; infinite ones are empty, as in `refdof.raster.nbuffer`.
+        Any values; infinite ones are empty, as in `refdof.raster.filters.nbuffer`.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def _as_floats(image: Any) -> Float:
 
 
 def _halved(halve: Any, fine: Float, *arguments: Any) -> Float:
-    """One coarser level by a kernel of `refdof.raster.halving`."""
+    """One coarser level by a kernel of `refdof.raster.filters.halving`."""
     height, _, channels = fine.shape
     out = np.empty((*_half(fine), channels), dtype=fine.dtype)
     with np.errstate(over="ignore", invalid="ignore"):  # infinite texels, or sums beyond the type

@@ -1,0 +1,1 @@
+"""Filters: mip chains, N-buffers and blends that methods share."""
