@@ -30,9 +30,9 @@ import refdof
 from refdof.compare import warm_up
 from refdof.methods import cascaded
 from refdof.raster.gaussian import TRUNCATION, gaussian_blur
-from refdof.reference import reference_of_view
 from refdof.rendering import render_view
 from refdof.trace import Trace
+from refdof.truth.reference import reference_of_view
 
 TARGET = 3.0  # times faster than scipy, layer by layer
 PAPER = {

@@ -11,8 +11,8 @@ import numpy as np
 
 import refdof
 from refdof.metrics import psnr
-from refdof.reference import reference_of_view
 from refdof.rendering import render_view
+from refdof.truth.reference import reference_of_view
 
 BORDERS, BOUNDARIES = ("transparent", "clamp"), ("extrapolate", "hard", "as_printed")
 

@@ -26,7 +26,7 @@ from plain_scene import plain
 
 import refdof
 from refdof._jit import thread_count
-from refdof.reference import PIXEL_FILTERS, estimate, reference_of_view
+from refdof.truth.reference import PIXEL_FILTERS, estimate, reference_of_view
 
 SAMPLES = (16, 64, 256, 1024)
 TOLERANCES = (0.03, 0.01, 0.003)

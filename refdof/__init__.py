@@ -11,17 +11,17 @@ Conventions, everywhere:
 
 from refdof import metrics
 from refdof._check import InputError
-from refdof.forecast import Forecast, forecast
 from refdof.methods import METHODS
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.sampling import lens_samples
-from refdof.reference import Reference, reference
 from refdof.rendering import Result, render
 from refdof.scene.builtin import SCENES
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Light, Material, Part, Scene
+from refdof.truth.forecast import Forecast, forecast
+from refdof.truth.reference import Reference, reference
 from refdof.view import View
 
 __version__ = "0.1.0"

@@ -20,20 +20,20 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
 from refdof.compare import compare as compare_scene
-from refdof.forecast import Forecast
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
 from refdof.method_record import facts_of
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES, shot_of
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
+from refdof.truth.forecast import Forecast
+from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 
 __all__ = ["app", "main"]

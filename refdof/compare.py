@@ -8,15 +8,15 @@ import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
 from refdof.comparison import Comparison, Row
-from refdof.forecast import Forecast, forecast_of_view
 from refdof.methods import METHODS
 from refdof.metrics import scores
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.reference import MAX_SAMPLES, reference_of_view
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.scene.scene import Part, Scene
+from refdof.truth.forecast import Forecast, forecast_of_view
+from refdof.truth.reference import MAX_SAMPLES, reference_of_view
 from refdof.view import View, view_of
 
 __all__ = ["compare", "warm_up"]

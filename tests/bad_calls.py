@@ -19,7 +19,6 @@ import numpy as np
 import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
-from refdof.forecast import forecast_of_view
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.optics.lens_pattern import lens_pattern
@@ -30,11 +29,12 @@ from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.triangles import rasterize
 from refdof.raster.rays import umbra
-from refdof.reference import reference_of_view
 from refdof.rendering import make_params, render_view
 from refdof.scene.load import load_scene
 from refdof.scene.mesh_file import load_mesh
 from refdof.trace import Trace
+from refdof.truth.forecast import forecast_of_view
+from refdof.truth.reference import reference_of_view
 
 NAN, INF = math.nan, math.inf
 
@@ -176,10 +176,10 @@ DOORS: dict[str, Door] = {
     ),
     "refdof.image.display.linear_from_display": Door(refdof.image.display.linear_from_display, {"encoded": COLOR}),
     "refdof.image.display.to_8_bit": Door(refdof.image.display.to_8_bit, {"linear": COLOR}, {"linear": ("image",)}),
-    "refdof.forecast.forecast": Door(
+    "refdof.truth.forecast.forecast": Door(
         refdof.forecast, {"scene": EVEN, "tolerance": 0.1, "max_samples": 64, "seed": 0, "camera": CAMERA, "lens": LENS}
     ),
-    "refdof.forecast.forecast_of_view": Door(
+    "refdof.truth.forecast.forecast_of_view": Door(
         forecast_of_view, {"view": View(EVEN, CAMERA, LENS), "tolerance": 0.1, "max_samples": 64, "seed": 0}
     ),
     "refdof.image.file.load_image": Door(load_image, {"path": "picture.npy"}),
@@ -319,8 +319,8 @@ DOORS: dict[str, Door] = {
         {"camera": CAMERA, "lens": LENS, "near": 1.0, "far": 9.0, "extent_px": 2},
         {"near": ("far",)},
     ),
-    "refdof.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE, any_result=True),
-    "refdof.reference.reference_of_view": Door(
+    "refdof.truth.reference.reference": Door(refdof.reference, {"scene": EVEN} | _REFERENCE, any_result=True),
+    "refdof.truth.reference.reference_of_view": Door(
         reference_of_view,
         {"view": View(EVEN, CAMERA, LENS)} | {k: v for k, v in _REFERENCE.items() if k not in ("camera", "lens")},
         any_result=True,  # no noise: a floor of infinity
@@ -389,7 +389,7 @@ INNER = {
     "refdof.compare.warm_up",
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",
-    "refdof.forecast.Forecast",
+    "refdof.truth.forecast.Forecast",
     "refdof.optics.lens_pattern.LensPattern",
     "refdof.optics.lens_pattern.mean_nearest_distance",
     "refdof.methods.cascaded.layering_of",
@@ -408,9 +408,9 @@ INNER = {
     "refdof.raster.gpu.texture.at_texels",
     "refdof.raster.gpu.triangles.Raster",
     "refdof.raster.rays.umbra.reach_beyond",
-    "refdof.reference.Reference",
-    "refdof.reference.as_most",
-    "refdof.reference.as_seed",
+    "refdof.truth.reference.Reference",
+    "refdof.truth.reference.as_most",
+    "refdof.truth.reference.as_seed",
     "refdof.rendering.Result",
     "refdof.view.Booking",
     "refdof.view.Pinhole",

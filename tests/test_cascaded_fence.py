@@ -9,8 +9,8 @@ from scipy import ndimage
 
 import refdof
 from refdof.methods.cascaded import blur_buffers, layering_of
-from refdof.reference import reference_of_view
 from refdof.rendering import render_view
+from refdof.truth.reference import reference_of_view
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ from closed_forms import half_disc
 
 import refdof
 from refdof import ThinLens
-from refdof.error_bar import student_quantile
 from refdof.image.display import display
 from refdof.image.noise_floor import floor_of_moments, noise_moments
+from refdof.truth.error_bar import student_quantile
 
 P, WIDTH, HEIGHT, CIRCLE = 32.0, 48, 6, 8.0
 SEEDS = 100

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import stage
 
-from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, reference, render
+from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, render
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
 from refdof.methods.multiview import Params, _texel_bytes
 from refdof.optics.lens_pattern import LensPattern, lens_pattern
 from refdof.raster.decomposition import decompose, layer_bounds
 from refdof.raster.height_field import Search, fields_of
+from refdof.truth import reference
 
 SIZE, P = (14, 10), 14.0
 SEARCH = Search(False, 3, 5, 0.5, False, True, True)

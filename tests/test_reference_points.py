@@ -9,7 +9,8 @@ import pytest
 import stage
 from numpy.testing import assert_allclose, assert_array_equal
 
-from refdof import Part, ThinLens, reference, render
+from refdof import Part, ThinLens, render
+from refdof.truth import reference
 
 pytestmark = pytest.mark.fast
 WIDTH, HEIGHT, P, CLOSE = 9, 5, 20.0, 2.0**-10

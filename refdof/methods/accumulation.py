@@ -1,8 +1,8 @@
 """Accumulation: the average of pinhole views from points of the lens.
 
 1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen`
-2. See the scene from each of them, sheared to keep the focal plane in place  `refdof.lens_rays`
-3. Average                                                                  `refdof.lens_rays`
+2. See the scene from each of them, sheared to keep the focal plane in place  `refdof.truth.lens_rays`
+3. Average                                                                  `refdof.truth.lens_rays`
 
 Departures from the paper
 -------------------------
@@ -23,9 +23,9 @@ from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
 from refdof.method_record import Method
-from refdof.reference import estimate
-from refdof.tile_sampler import Spend
 from refdof.trace import Trace
+from refdof.truth.reference import estimate
+from refdof.truth.tile_sampler import Spend
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "render", "texture_reads"]

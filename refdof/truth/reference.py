@@ -1,9 +1,9 @@
 """The reference: thin-lens pictures by ray casting, with an error bar at every pixel.
 
-1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.lens_rays`
+1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.truth.lens_rays`
 2. Estimate every pixel R times with independent scrambles of one net                `refdof.optics.owen`
-3. The mean is the picture; the spread of the R estimates is its error                `refdof.error_bar`
-4. With a tolerance, double the net of the pixels whose error is too large            `refdof.tile_sampler`
+3. The mean is the picture; the spread of the R estimates is its error                `refdof.truth.error_bar`
+4. With a tolerance, double the net of the pixels whose error is too large            `refdof.truth.tile_sampler`
 
 Only the replicates are independent, so only they enter the error bar: the points inside one net repel each
 other and their own variance says nothing about the error.
@@ -25,13 +25,13 @@ import numpy as np
 
 from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
-from refdof.error_bar import excess
 from refdof.image.noise_floor import GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.owen import MAX_LOG2
 from refdof.scene.scene import Scene
-from refdof.tile_sampler import Spend, TileSampler
+from refdof.truth.error_bar import excess
+from refdof.truth.tile_sampler import Spend, TileSampler
 from refdof.view import View, view_of
 
 __all__ = [

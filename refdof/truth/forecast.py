@@ -1,6 +1,6 @@
 """Forecast: what a reference with a tolerance will cost, from a first look at a few tiles.
 
-1. Give a few tiles, spread over the picture, their first samples   `refdof.tile_sampler`
+1. Give a few tiles, spread over the picture, their first samples   `refdof.truth.tile_sampler`
 2. Each of their pixels needs as many as its error asks for, since errors at edges fall as a power of N
 3. The pilot's own rays per second give the time
 """
@@ -12,12 +12,12 @@ import numpy as np
 
 from refdof._check import as_instance, as_number
 from refdof._jit import run_tasks
-from refdof.error_bar import excess
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
 from refdof.scene.scene import Scene
-from refdof.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
+from refdof.truth.error_bar import excess
+from refdof.truth.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
+from refdof.truth.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
 from refdof.view import View, view_of
 
 __all__ = ["Forecast", "forecast", "forecast_of_view"]

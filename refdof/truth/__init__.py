@@ -1,0 +1,1 @@
+"""Truth: reference pictures with error bars."""
