@@ -22,8 +22,8 @@ from refdof._jit import use_threads
 from refdof.compare import compare as compare_scene
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
-from refdof.method_record import facts_of
 from refdof.methods import METHODS
+from refdof.methods._contract import facts_of
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.rendering import make_params, render_view

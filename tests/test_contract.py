@@ -9,7 +9,7 @@ import pytest
 from closed_forms import half_disc
 
 from refdof import METHODS, Camera, InputError, Material, Part, Scene, ThinLens, render
-from refdof.method_record import Method
+from refdof.methods._contract import Method
 
 ROOT = Path(__file__).parent.parent
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(24, 16))

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from refdof import METHODS, InputError
-from refdof.method_record import facts_of, level_shares
 from refdof.methods import mipmap, poisson, pyramidal, separable, singlepass
+from refdof.methods._contract import facts_of, level_shares
 
 SIDE = 1024  # table 1's picture; its circles are at most 16 px wide, 8 px in the mean
 

@@ -8,7 +8,7 @@ import pytest
 from scipy import ndimage
 
 from refdof import METHODS, ThinLens, render
-from refdof.method_record import PROMISES, REACH
+from refdof.methods._contract import PROMISES, REACH
 
 SAMPLING = ("triangles",)  # the inputs of methods that send rays
 NOISE = 64**-0.75  # of the smallest default count of lens samples, at an edge of contrast 1 (one standard deviation)

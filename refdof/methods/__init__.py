@@ -4,7 +4,8 @@ A method module has
 
 - a docstring: title sentence, numbered steps, *Departures from the paper*, *References*;
 - `Params`, a frozen dataclass that validates itself and holds what the paper leaves open;
-- `METHOD`, its record: source, kind, inputs, promises, texture reads, known defects (`refdof.method_record.Method`);
+- `METHOD`, its record: source, kind, inputs, promises, texture reads, known defects
+  (`refdof.methods._contract.Method`);
 - `render(view, params, trace) -> (H, W, 3) float32`, which asks the view for what it needs and nothing else;
 - if it filters one image, `blur(color, depth, coc, params) -> (H, W, 3)` on plain arrays.
 

@@ -22,7 +22,7 @@ References
 from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
-from refdof.method_record import Method
+from refdof.methods._contract import Method
 from refdof.trace import Trace
 from refdof.truth.reference import estimate
 from refdof.truth.tile_sampler import Spend

@@ -57,9 +57,9 @@ from functools import partial
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
-from refdof.method_record import Method
 from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
 from refdof.methods._cascaded_layers import Layering, cluster_layers, filter_layers, without_foremost
+from refdof.methods._contract import Method
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.raster.filters.nbuffer import n_buffer

@@ -41,7 +41,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
-from refdof.method_record import Method
+from refdof.methods._contract import Method
 from refdof.optics.lens_pattern import JITTERS, lens_pattern
 from refdof.optics.sampling import PATTERNS
 from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers

@@ -42,7 +42,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
-from refdof.method_record import LARGEST_RADIUS, Method, level_shares
+from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
 from refdof.methods._images import as_images, within
 from refdof.raster.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store

@@ -63,7 +63,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
-from refdof.method_record import Method
+from refdof.methods._contract import Method
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
 from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance

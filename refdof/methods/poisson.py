@@ -34,7 +34,7 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import blend_texels
-from refdof.method_record import Method
+from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.filters.bilinear import texels_around
 from refdof.raster.filters.mipmap import box_mipmaps

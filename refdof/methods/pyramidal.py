@@ -40,7 +40,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
-from refdof.method_record import LARGEST_RADIUS, Method
+from refdof.methods._contract import LARGEST_RADIUS, Method
 from refdof.methods._images import as_images, within
 from refdof.raster.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
