@@ -21,8 +21,9 @@ from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, Thin
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
+from refdof.methods.multiview import coverage
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster import coverage, matting
+from refdof.raster import matting
 from refdof.raster.filters import mipmap, nbuffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -241,8 +242,8 @@ DOORS: dict[str, Door] = {
         {"vertices": CAMERA_SPACE, "faces": FACES, "camera": CAMERA, "reach_px": 0.5},
         {"vertices": ("faces",)},
     ),
-    "refdof.raster.coverage.average_color": Door(coverage.average_color, {"texels": COLOR}, any_result=True),
-    "refdof.raster.coverage.coverage_mipmaps": Door(
+    "refdof.methods.multiview.coverage.average_color": Door(coverage.average_color, {"texels": COLOR}, any_result=True),
+    "refdof.methods.multiview.coverage.coverage_mipmaps": Door(
         coverage.coverage_mipmaps,
         {"color": COLOR, "covered": DEPTH < 5, "model": EXACT},
         {"covered": ("color",)},

@@ -9,7 +9,7 @@ import pytest
 import stage
 
 from refdof import Part, ThinLens, View
-from refdof.raster.decomposition import Decomposition, copies, decompose, layer_bounds
+from refdof.methods.multiview.decomposition import Decomposition, copies, decompose, layer_bounds
 
 pytestmark = pytest.mark.fast
 LENS = ThinLens(1.0, np.inf)

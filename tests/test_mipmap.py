@@ -9,7 +9,7 @@ from scipy import ndimage
 
 from refdof._check import InputError
 from refdof._jit import thread_count, use_threads
-from refdof.raster.coverage import average_color, coverage_mipmaps
+from refdof.methods.multiview.coverage import average_color, coverage_mipmaps
 from refdof.raster.filters.mipmap import box_mipmaps, extreme_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.gpu.gpu_model import EXACT
 from refdof.raster.gpu.texture import trilinear

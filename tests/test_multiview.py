@@ -8,11 +8,12 @@ import pytest
 import stage
 
 from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, render
-from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
-from refdof.methods.multiview import Params, _texel_bytes
+from refdof.methods.multiview import Params
+from refdof.methods.multiview.decomposition import decompose, layer_bounds
+from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
+from refdof.methods.multiview.height_field import Search, fields_of
+from refdof.methods.multiview.method import _texel_bytes
 from refdof.optics.lens_pattern import LensPattern, lens_pattern
-from refdof.raster.decomposition import decompose, layer_bounds
-from refdof.raster.height_field import Search, fields_of
 from refdof.truth import reference
 
 SIZE, P = (14, 10), 14.0
@@ -355,7 +356,7 @@ def test_thread_count_changes_no_bit(cones):
 
 
 def test_order_of_the_depth_buffers_changes_no_bit():
-    from refdof.raster.decomposition import _move
+    from refdof.methods.multiview.decomposition import _move
 
     random = np.random.default_rng(2)
     bounds = np.float32([0, 1, 2, 3])
@@ -428,7 +429,7 @@ def test_more_layers_than_memory_allows():
     with pytest.raises(InputError, match=r"spacing_px: got 1e-06 .* makes \S+ layers; allowed are at most 65536"):
         render("multiview", view.scene, spacing_px=1e-6)
     big = view.camera.with_size((20000, 15000))
-    from refdof.raster.decomposition import _check_memory
+    from refdof.methods.multiview.decomposition import _check_memory
 
     with pytest.raises(InputError, match=r"4 layers of 20000x15000 px, about 35.8 GiB; allowed are 8 GiB"):
         _check_memory(4, big, 32)

@@ -15,10 +15,10 @@ from cards import lens_shares
 
 import refdof
 from refdof import ThinLens, View
-from refdof.methods._multiview_trace import gather
 from refdof.methods.multiview import Params, cone_width
+from refdof.methods.multiview.gather import gather
+from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster.height_field import Search, fields_of
 from refdof.rendering import render_view
 
 SIZE, SPACING = (320, 240), 1.2

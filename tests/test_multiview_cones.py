@@ -6,9 +6,9 @@ import stage
 
 import refdof
 from refdof import Aperture, Material, Part, ThinLens, View, render
-from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.optics.lens_pattern import LensPattern
-from refdof.raster.height_field import Search, fields_of
 
 SEARCH = Search(False, 3, 5, 0.5, False, True, False)
 

@@ -6,7 +6,8 @@ import stage
 from closed_forms import half_disc
 
 from refdof import Part, ThinLens, View, render
-from refdof.methods.multiview import Params, _choice
+from refdof.methods.multiview import Params
+from refdof.methods.multiview.method import _choice
 
 BLUE = (0.0, 0.0, 1.0)
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
+from refdof.methods.multiview.ray_doubt import in_doubt
 from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
-from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.raster.ray_doubt import in_doubt
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
@@ -24,7 +24,7 @@ _ROWS_PER_TASK = 8
 class Hits(NamedTuple):
     """What each ray meets. layer (H, W, N) int32: -1 the background, -2 not known, as the ray leaves the image;
     texel (H, W, N) int32: row * W + column, -1: none; coc (H, W, N): where along the ray [px], inf: nowhere;
-    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.raster.ray_doubt`).
+    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.methods.multiview.ray_doubt`).
     """
 
     layer: Index

@@ -24,11 +24,11 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
-from refdof.methods._multiview_trace import light_of, pinhole_light, ray_tangents
+from refdof.methods.multiview.coverage import coverage_mipmaps
+from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents
+from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
-from refdof.raster.coverage import coverage_mipmaps
-from refdof.raster.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]

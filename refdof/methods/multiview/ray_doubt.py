@@ -16,7 +16,7 @@ References
 import numpy as np
 
 from refdof._jit import inline
-from refdof.raster.height_field import end_of, first_texel, goes_on, step
+from refdof.methods.multiview.height_field import end_of, first_texel, goes_on, step
 
 __all__ = ["in_doubt"]
 

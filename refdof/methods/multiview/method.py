@@ -1,11 +1,13 @@
 """Multiview synthesis: every pixel sends rays from the lens through a scene that was drawn once, as layers of depth.
 
-1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.raster.decomposition`
+1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.methods.multiview.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
 3. Choose lens points for every pixel                                      `refdof.optics.lens_pattern`
-4. Skip the layers that no ray of a pixel can meet                         `refdof.raster.height_field`, `visit`
-5. Follow each ray front to back, from texel to texel or by false position  `refdof.raster.height_field`, `next_hit`
-6. Average what the rays hit, or blend it along cones                      `refdof.methods._multiview_trace`, `_cones`
+4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.height_field`,
+   `visit`
+5. Follow each ray front to back, from texel to texel or by false position  `refdof.methods.multiview.height_field`,
+   `next_hit`
+6. Average what the rays hit, or blend it along cones                      `gather`, `cones`
 
 Stages, with K layers that are not empty out of L, S depth buffers of the first pass, N lens points, c in px:
 "bounds" (L + 1,) c; "source_coc", "source_triangle" (S, H, W): first pass; "layer_number" (K,); "layer_interval" (K, 2)
@@ -13,13 +15,13 @@ c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "la
 linear RGB or attributes (`refdof.raster.rays.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2),
 "lens_weights" (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves
 the image;
-"hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N): `refdof.raster.ray_doubt`. With
-cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels" (M, 3), and hits are the first ones of the
-cones' middle rays.
+"hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N):
+`refdof.methods.multiview.ray_doubt`. With cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels"
+(M, 3), and hits are the first ones of the cones' middle rays.
 
 Departures from the paper
 -------------------------
-- Decomposition: see `refdof.raster.decomposition`.
+- Decomposition: see `refdof.methods.multiview.decomposition`.
 - r = C v of Eq. (3) is on the inverted image of the sensor. On the upright one a ray passes p - c v.
 - Heights are circles of confusion, not depths: a ray is a straight line in them, and false position assumes lines.
 - False position misses surfaces that slant out of the layer before the ray's end: an opaque plane may leak. Layers are
@@ -47,7 +49,7 @@ Departures from the paper
   Poisson-disc points. `cones="paper"` is the printed one, `cones="text"` the other.
 - Cones read mip levels of `glGenerateMipmap`, trilinearly; at less than one texel, the finest.
 - Cones do not blend a fragment a second time from the layer that it was copied to, and cones whose middle meets a
-  surface are not cut where it goes on in the next layer (unless walls are infinite): see `_multiview_cones`.
+  surface are not cut where it goes on in the next layer (unless walls are infinite): see `cones`.
 - "Distinct" pairs of a noise texel are twelve; the sixteen of the text include a number with itself.
 
 References
@@ -64,12 +66,12 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
 from refdof.methods._contract import Method
-from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
-from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
+from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods.multiview.decomposition import Decomposition, copies, decompose
+from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
+from refdof.methods.multiview.height_field import Fields, Search, fields_of
 from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.optics.sampling import PATTERNS, lens_samples
-from refdof.raster.decomposition import Decomposition, copies, decompose
-from refdof.raster.height_field import Fields, Search, fields_of
 from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of
 from refdof.raster.rays.layer_color import colors_of
 from refdof.trace import Trace
