@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from refdof._jit import tile_kernel
+from refdof.methods.lensblur.footprint import narrow, ray_bounds, thin_lens_bounds
 from refdof.raster.filters.nbuffer import n_buffer
-from refdof.raster.footprint import narrow, ray_bounds, thin_lens_bounds
 
 pytestmark = pytest.mark.fast
 

@@ -10,8 +10,8 @@ import stage
 from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
+from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
 from refdof.optics.lens_pattern import LensPattern
-from refdof.raster.layer_trace import new_stack, trace_layers
 from refdof.raster.rays.attributes import ATTRIBUTES
 
 pytestmark = pytest.mark.fast

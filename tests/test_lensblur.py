@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
-from refdof.methods.lensblur import FOOTPRINTS
+from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
+from refdof.methods.lensblur.method import FOOTPRINTS
 from refdof.optics.lens_pattern import LensPattern
-from refdof.raster.layer_trace import new_stack, trace_layers
 from refdof.rendering import make_params, render_view
 
 BACKGROUND = (0.25, 0.5, 0.75)

@@ -4,8 +4,8 @@
 2. look up the nearest and the farthest surface in those bounds    `refdof.raster.filters.nbuffer`
 3. cut the rays to that range, and begin again                     `narrow`
 
-Rays are those of `refdof.raster.texel_walk`: affine in u, inverse depth in pixels of parallax. Every cut keeps all
-that the rays can hit if the bounds hold all rays: `narrow` changes the work, not the picture.
+Rays are those of `refdof.methods.lensblur.texel_walk`: affine in u, inverse depth in pixels of parallax. Every cut
+keeps all that the rays can hit if the bounds hold all rays: `narrow` changes the work, not the picture.
 
 References
 ----------

@@ -2,9 +2,9 @@
 
 1. Peel layers, each beyond the umbra of the one before                         `View.umbra_layers`
 2. Pack them four by four, with N-buffers of their extremes                     `_stack`
-3. Per pixel, cut all lens rays to the depths at which they can meet a layer    `refdof.raster.footprint`
-4. Walk each ray from texel to texel to the nearest surface                     `refdof.raster.texel_walk`
-5. Average what the rays meet                                                   `refdof.raster.layer_trace`
+3. Per pixel, cut all lens rays to the depths at which they can meet a layer    `refdof.methods.lensblur.footprint`
+4. Walk each ray from texel to texel to the nearest surface                     `refdof.methods.lensblur.texel_walk`
+5. Average what the rays meet                                                   `refdof.methods.lensblur.layer_trace`
 
 Stages: "parallax" (N, H, W), inverse depth in px of parallax; "layer_count" (H, W), layers there are, stored or not;
 "points" (K, R, 2), lens points, and "set" (n, n), which of the K sets each pixel of a tile takes; "near" and "far" (G,
@@ -42,9 +42,9 @@ import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
+from refdof.methods.lensblur.layer_trace import MISSES, Stack, new_stack, trace_layers
 from refdof.optics.lens_pattern import JITTERS, lens_pattern
 from refdof.optics.sampling import PATTERNS
-from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
 from refdof.raster.rays.attributes import attributes_of
 from refdof.raster.rays.peel import Layers
 from refdof.trace import Trace

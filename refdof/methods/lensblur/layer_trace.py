@@ -1,7 +1,7 @@
 """Layer trace: all lens rays of every pixel, through packed layers, averaged.
 
 1. the rays of a pixel                                       `_aim_thin_lens`
-2. the depths at which they can hit each pack                `refdof.raster.footprint`
+2. the depths at which they can hit each pack                `refdof.methods.lensblur.footprint`
 3. the nearest hit of each ray over all packs, or a miss     `_hit`
 4. its colour, or its attributes shaded                      `_hit_color`
 
@@ -18,13 +18,13 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.methods.lensblur.footprint import narrow, ray_bounds
+from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 from refdof.optics.lens_pattern import LensPattern
 from refdof.optics.shot import Shot
 from refdof.raster.filters.nbuffer import n_buffer
-from refdof.raster.footprint import narrow, ray_bounds
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
-from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 
 __all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
 
