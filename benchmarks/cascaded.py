@@ -29,7 +29,7 @@ from scipy import ndimage
 import refdof
 from refdof.compare import warm_up
 from refdof.methods import cascaded
-from refdof.raster.gaussian import TRUNCATION, gaussian_blur
+from refdof.methods.cascaded.gaussian import TRUNCATION, gaussian_blur
 from refdof.rendering import render_view
 from refdof.trace import Trace
 from refdof.truth.reference import reference_of_view

@@ -21,9 +21,9 @@ from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, Thin
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
+from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster import matting
 from refdof.raster.filters import mipmap, nbuffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -259,11 +259,11 @@ DOORS: dict[str, Door] = {
     "refdof.raster.gpu.gpu_model.store": Door(
         gpu_model.store, {"values": COLOR, "texture_format": "f16", "model": EXACT}, any_result=True
     ),
-    "refdof.raster.matting.layer_coordinate": Door(
+    "refdof.methods.cascaded.matting.layer_coordinate": Door(
         matting.layer_coordinate,
         {"depth": DEPTH, "bounds": np.array([1.0, 2.0, 5.0]), "boundary": "extrapolate", "dtype": np.float32},
     ),
-    "refdof.raster.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
+    "refdof.methods.cascaded.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
     "refdof.raster.filters.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
     "refdof.raster.filters.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
     "refdof.raster.filters.mipmap.gaussian_mipmaps": Door(
@@ -400,7 +400,7 @@ INNER = {
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
     "refdof.raster.gpu.ambiguity.tied_depths",
-    "refdof.raster.matting.matte",
+    "refdof.methods.cascaded.matting.matte",
     "refdof.raster.filters.nbuffer.Extremes",
     "refdof.raster.filters.nbuffer.NBuffer",
     "refdof.raster.filters.nbuffer.highest_in",

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 import refdof
 from refdof import InputError, ThinLens, View
 from refdof.methods import cascaded
-from refdof.methods._cascaded_layers import cluster_layers, deviation, filter_layers, inverse_coc
 from refdof.methods.cascaded import Params, blur_buffers, layering_of
+from refdof.methods.cascaded.layers import cluster_layers, deviation, filter_layers, inverse_coc
 from refdof.trace import Trace
 
 F, F_NUMBER = 0.1, 1.4  # the paper's lens [m]

@@ -7,8 +7,8 @@ import pytest
 from scipy import ndimage
 
 from refdof._jit import thread_count, use_threads
-from refdof.raster.gaussian import gaussian_blur, gaussian_taps
-from refdof.raster.quick_blurs import box_blur, box_of, pyramid_blur, pyramid_of
+from refdof.methods.cascaded.gaussian import gaussian_blur, gaussian_taps
+from refdof.methods.cascaded.quick_blurs import box_blur, box_of, pyramid_blur, pyramid_of
 
 TYPES = (np.float32, np.float64)
 BLURS = (gaussian_blur, box_blur, pyramid_blur)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof import InputError
-from refdof.raster.matting import ABSENT, RAMPS, layer_coordinate, matte, ramp_code
+from refdof.methods.cascaded.matting import ABSENT, RAMPS, layer_coordinate, matte, ramp_code
 
 BOUNDS = np.array([1.0, 2.0, 4.0, 5.0, 9.0])  # z_(-1) .. z_3, four layers
 

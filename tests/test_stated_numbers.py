@@ -9,12 +9,12 @@ from scipy import integrate
 from refdof._check import LARGEST_LIGHT
 from refdof.image.noise_floor import _share_below_white
 from refdof.methods import poisson, singlepass
-from refdof.raster.gaussian import TRUNCATION
+from refdof.methods.cascaded.gaussian import TRUNCATION
 from refdof.raster.magnify import _log2
 
 
 def test_tails_that_gaussians_lose():
-    assert round(100 * math.erfc(TRUNCATION / math.sqrt(2)), 2) == 0.27  # refdof/raster/gaussian.py
+    assert round(100 * math.erfc(TRUNCATION / math.sqrt(2)), 2) == 0.27  # refdof/methods/cascaded/gaussian.py
 
 
 def test_error_of_the_linear_logarithm():

@@ -14,7 +14,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, kernel, prange
-from refdof.raster.gaussian import gaussian_blur
+from refdof.methods.cascaded.gaussian import gaussian_blur
 
 __all__ = ["box_blur", "box_of", "pyramid_blur", "pyramid_of"]
 

@@ -2,7 +2,8 @@
 
 1. Peel the scene into buffers of colour and depth                           `refdof.view`
 2. Find the depth range, and from it layers and their anchors                `layering_of`, `filter_layers`
-3. Decompose the buffers into layers by their depth                          `refdof.raster.matting`, `source_of`
+3. Decompose the buffers into layers by their depth                          `refdof.methods.cascaded.matting`,
+   `source_of`
 4. From the back to the focus: blend the next layer over the buffer, blur    `cascade`
 5. From the front to the focus: blend the buffer over the next layer, blur   `cascade`
 6. Front over (layer in focus over back), divided by alpha                   `blend_over`, `normalized`
@@ -41,7 +42,8 @@ Departures from the paper
 - Steps between layers that hold nothing are joined: one blur with their variances added.
 - Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
 - Surfaces are exact layers: coplanar duplicates, which depth peeling drops, are kept.
-- Box and pyramid filters and k-means are only named in the paper: see `refdof.raster.quick_blurs`, `cluster_layers`.
+- Box and pyramid filters and k-means are only named in the paper: see `refdof.methods.cascaded.quick_blurs`,
+  `cluster_layers`.
 
 What lies in the focal plane has weight in the layers next to it, too: with anything in front of it, a copy blurred by
 one step lies over it. That is the paper's.
@@ -57,15 +59,15 @@ from functools import partial
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
-from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
-from refdof.methods._cascaded_layers import Layering, cluster_layers, filter_layers, without_foremost
 from refdof.methods._contract import Method
+from refdof.methods.cascaded.blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
+from refdof.methods.cascaded.gaussian import gaussian_blur
+from refdof.methods.cascaded.layers import Layering, cluster_layers, filter_layers, without_foremost
+from refdof.methods.cascaded.matting import RAMPS
+from refdof.methods.cascaded.quick_blurs import box_blur, pyramid_blur
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.raster.filters.nbuffer import n_buffer
-from refdof.raster.gaussian import gaussian_blur
-from refdof.raster.matting import RAMPS
-from refdof.raster.quick_blurs import box_blur, pyramid_blur
 from refdof.trace import Trace
 from refdof.view import View
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.methods._cascaded_layers import Layering
-from refdof.raster.matting import layer_coordinate, matte, ramp_code
+from refdof.methods.cascaded.layers import Layering
+from refdof.methods.cascaded.matting import layer_coordinate, matte, ramp_code
 
 __all__ = ["Blur", "Source", "blend_over", "blur_apart", "cascade", "layer_alone", "normalized", "source_of"]
 
