@@ -68,7 +68,7 @@ def alternated(rounds, *functions):
 def mipmap_rows(context, name, width, height, rounds):
     rows = []
     for mean, color, depth, coc in pictures(name, width, height):
-        last = mipmap._last_level(float(np.abs(coc).max()), width, height)
+        last = mipmap.method._last_level(float(np.abs(coc).max()), width, height)
         work = shaders.upload(context, color, coc, last)
         shaders.draw_levels(work)
         chains = shaders.chains(work)

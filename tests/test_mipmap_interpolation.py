@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, texture_reads
-from refdof.raster.anisotropic import foreground_blur, halve
+from refdof.methods.mipmap.anisotropic import foreground_blur, halve
 from refdof.raster.filters.mipmap import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.trace import Trace
@@ -32,7 +32,7 @@ def images(seed, height, width, largest=9.0):
 
 def stages_of(color, coc, params):
     trace = Trace(on=True)
-    return mipmap._blur(color, coc, params, trace), trace.stages
+    return mipmap.method._blur(color, coc, params, trace), trace.stages
 
 
 def flat(coc, height=48, width=48):

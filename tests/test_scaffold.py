@@ -86,7 +86,11 @@ def test_the_row_is_in_its_place(tree):
         ("new-method", "Sketch", "NAME: got 'Sketch'; allowed are lower-case letters, digits and _, a letter first"),
         ("new-method", "", "NAME: got ''; allowed are lower-case"),
         ("new-scene", "class", "NAME: got 'class'; allowed are lower-case"),
-        ("new-method", "mipmap", "NAME: got 'mipmap', but refdof/methods/mipmap.py exists; allowed is a new name"),
+        (
+            "new-method",
+            "mipmap",
+            "NAME: got 'mipmap', but refdof/methods/mipmap/method.py exists; allowed is a new name",
+        ),
         ("new-scene", "shot", "NAME: got 'shot', but refdof/scene/kit/shot.py exists; allowed is a new name"),
     ],
 )

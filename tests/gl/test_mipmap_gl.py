@@ -6,7 +6,8 @@ import pytest
 from gl import mipmap as shaders
 from gl import shader
 from refdof import View, load_scene
-from refdof.methods.mipmap import Params, _last_level, blur
+from refdof.methods.mipmap import Params, blur
+from refdof.methods.mipmap.method import _last_level
 
 pytestmark = pytest.mark.gl
 

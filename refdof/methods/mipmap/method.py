@@ -1,10 +1,11 @@
 """Mipmap interpolation: every pixel reads a mip level as coarse as its blur, made without leaks from sharp pixels.
 
 1. Take the circle of confusion as degree of blur                           `blur`
-2. Build mip levels of circles, and of colour without what is sharper       `refdof.raster.anisotropic.halve`
-3. Find the blur of nearer neighbours at the last level                     `refdof.raster.anisotropic.foreground_blur`
-4. Magnify it, and read the degree of blur as coarse as that                `refdof.raster.magnify.smooth_blur`
-5. Blend two mip levels of colour at nine points of a circle                `refdof.raster.magnify.magnify`
+2. Build mip levels of circles, and of colour without what is sharper       `refdof.methods.mipmap.anisotropic.halve`
+3. Find the blur of nearer neighbours at the last level
+   `refdof.methods.mipmap.anisotropic.foreground_blur`
+4. Magnify it, and read the degree of blur as coarse as that                `refdof.methods.mipmap.magnify.smooth_blur`
+5. Blend two mip levels of colour at nine points of a circle                `refdof.methods.mipmap.magnify.magnify`
 
 Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" (H, W) px, "level" (H, W),
 "color 1", "color 2", ... (h, w, 3).
@@ -44,9 +45,9 @@ import numpy as np
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
 from refdof.methods._images import as_images, within
-from refdof.raster.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
+from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
+from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.raster.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.trace import Trace
 from refdof.view import View
 

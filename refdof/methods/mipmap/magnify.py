@@ -16,7 +16,7 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import INWARD, read_circle
-from refdof.raster.anisotropic import Chain
+from refdof.methods.mipmap.anisotropic import Chain
 from refdof.raster.filters.bilinear import texels_around
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur"]
