@@ -13,7 +13,7 @@ from scipy import ndimage
 import refdof
 from refdof import InputError, ThinLens, View
 from refdof.methods import METHODS, poisson, pyramidal, scatter, separable
-from refdof.raster.pyramid import blurred, filled, level_count
+from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
 
 NAMES = ("poisson", "pyramidal", "separable")
@@ -192,7 +192,7 @@ def test_pyramids_end_at_one_texel(size, count):
 
 def test_pyramidal_mattes_add_up_to_two():
     circles = np.linspace(-8.0, 8.0, 321)[None]
-    total = sum(pyramidal._matte(circles, *pyramidal._corners(i, 3, 3)) for i in range(-3, 4))
+    total = sum(pyramidal.method._matte(circles, *pyramidal.method._corners(i, 3, 3)) for i in range(-3, 4))
     # In the core of one, and on the ramps of its neighbours, which add up to 1; the outermost have one neighbour, and
     # so has sub-image 0 on either side: what is in focus (circle 0) is in no other.
     inside = np.abs(circles) <= 2.55  # half-way between 1.7 and 3.4 px

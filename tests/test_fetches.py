@@ -38,7 +38,7 @@ def test_separable_makes_the_printed_27():
 
 def test_pyramidal_makes_172_75_of_the_printed_terms():
     shares = [4.0**-k for k in range(5)]
-    eight = 8 * pyramidal._units(shares, shares)
+    eight = 8 * pyramidal.method._units(shares, shares)
     # 8 + 8 (4 + 16)(1/4 + 1/16 + 1/64 + 1/256) + 8 (5 + 4)(1 + 1/4 + 1/16 + 1/64) + 8 + 8, exact in binary.
     assert eight == 172.75
     # The printed 173.02 has a fifth term in the second sum, 1 / 16^2, and both sums rounded to three digits.

@@ -1,9 +1,9 @@
 """Pyramidal: the picture is cut by depth into sub-images, each filled, blurred by a pyramid and laid over the next.
 
 1. Choose sub-images whose blur doubles with their distance from focus        `_sides`
-2. Remove what lies in front of a sub-image, and fill the holes               `refdof.raster.pyramid.filled`
+2. Remove what lies in front of a sub-image, and fill the holes               `refdof.methods.pyramidal.pyramid.filled`
 3. Matte by depth: opacity ramps up, stays, ramps down                        `_matte`
-4. Blur by as many pyramid levels as the sub-image is away from focus         `refdof.raster.pyramid.blurred`
+4. Blur by as many pyramid levels as the sub-image is away from focus         `refdof.methods.pyramidal.pyramid.blurred`
 5. Blend from far to near, and divide by opacity                              `_blur`
 
 Stages: "coc" (H, W) px, "sub-image i" (H, W, 4) for i from the farthest to the nearest (negative: in front of focus):
@@ -42,7 +42,7 @@ import numpy as np
 from refdof._check import Float, as_instance, as_integer
 from refdof.methods._contract import LARGEST_RADIUS, Method
 from refdof.methods._images import as_images, within
-from refdof.raster.pyramid import blurred, filled, level_count
+from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
 from refdof.view import View
 
