@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import scatter
 from refdof.methods.scatter import Params, blur, texture_reads
-from refdof.raster.disc import covered, inner_count, outer_count
+from refdof.methods.scatter.disc import covered, inner_count, outer_count
 from refdof.trace import Trace
 
 ORDERS = ("none", "far_to_near")
@@ -60,7 +60,7 @@ def test_an_interior_point_keeps_its_energy(coc):
 @pytest.mark.parametrize("radius", [3.3, 0.5, np.nextafter(0.5, 0.0), np.nextafter(0.5, 1.0), 0.2])
 def test_shares_of_interior_pixels_add_up_to_one(radius):
     trace = Trace(on=True)
-    scatter._blur(np.ones((24, 24, 3)), np.ones((24, 24)), np.full((24, 24), radius), Params(), trace)
+    scatter.method._blur(np.ones((24, 24, 3)), np.ones((24, 24)), np.full((24, 24), radius), Params(), trace)
     np.testing.assert_allclose(trace.stages["shares"][8:-8, 8:-8], 1.0, rtol=1e-13)
 
 

@@ -1,7 +1,7 @@
 """Scatter: every pixel spreads its colour evenly over its circle of confusion.
 
 1. Find every pixel's circle of confusion                                     `refdof.optics.lens`
-2. Share each pixel among those that its disc covers, by covered area         `_scatter`, `refdof.raster.disc`
+2. Share each pixel among those that its disc covers, by covered area         `_scatter`, `refdof.methods.scatter.disc`
 3. Divide what a pixel got by the sum of its shares                           `_scatter`
 
 Stages: "coc" (H, W) px, "shares" (H, W), what each pixel's shares add up to.
@@ -32,7 +32,7 @@ from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
-from refdof.raster.disc import LARGEST_DISC, covered, inner_count, outer_count
+from refdof.methods.scatter.disc import LARGEST_DISC, covered, inner_count, outer_count
 from refdof.trace import Trace
 from refdof.view import View
 
