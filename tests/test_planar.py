@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from refdof.raster.planar import pad_planes, tap_of
+from refdof.methods.singlepass.planar import pad_planes, tap_of
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 4), (3, 1), (4, 5), (3, 4, 2), (2, 3, 3)])

@@ -36,7 +36,7 @@ from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
-from refdof.raster.planar import pad_planes, tap_of
+from refdof.methods.singlepass.planar import pad_planes, tap_of
 from refdof.trace import Trace
 from refdof.view import View
 

@@ -1,0 +1,11 @@
+"""Single pass: every pixel gathers taps on a golden-angle spiral; a tap that does not reach it repeats the mean.
+
+Steps and departures: `method`.
+"""
+
+from refdof.methods.singlepass import method
+from refdof.methods.singlepass.method import MAX_BLUR_SIZE, METHOD, Params, blur, render, spiral, texture_reads
+
+__all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
+
+__doc__ = method.__doc__
