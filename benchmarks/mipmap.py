@@ -23,14 +23,13 @@ from pathlib import Path
 import numpy as np
 from scipy import ndimage, signal
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # the shaders are the tests' own
-
-from gl import mipmap as shaders
-from gl import poisson as listing
-from gl import shader
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the shaders are the tests' own
 
 import refdof
 from refdof.methods import METHODS, mipmap, poisson, scatter
+from tests.gl import mipmap as shaders
+from tests.gl import poisson as listing
+from tests.gl import shader
 
 MEANS = (4, 8, 16, 32, 64, 128)  # px, figure 14 of the paper
 SPREAD, RATIO = 0.15, 3.0

@@ -22,11 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # the OpenGL harness is the tests' own
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the OpenGL harness is the tests' own
 
 import raster_gl as gl
 import raster_peers as peers
-from gl import shader
 
 import refdof
 from refdof._jit import kernel, prange, thread_count
@@ -36,6 +35,7 @@ from refdof.raster.filters.nbuffer import n_buffer, query
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.texture import bilinear, trilinear
 from refdof.raster.gpu.triangles import rasterize
+from tests.gl import shader
 
 BANDWIDTH_TARGET = 3.0  # times the limit
 LAYERS = 4

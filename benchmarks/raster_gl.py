@@ -2,7 +2,8 @@
 
 import moderngl
 import numpy as np
-from gl import shader
+
+from tests.gl import shader
 
 __all__ = ["build", "gaussian", "generate", "peel", "query", "reads"]
 

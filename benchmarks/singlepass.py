@@ -21,13 +21,12 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # the shader is the tests' own
-
-from gl import shader
-from gl import singlepass as listing
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the shader is the tests' own
 
 import refdof
 from refdof.methods.singlepass import Params, blur, spiral
+from tests.gl import shader
+from tests.gl import singlepass as listing
 
 TARGET = 8.0
 FILTERS = ("nearest", "bilinear")

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-import stage
 
 from refdof import Camera, Part, Scene, ThinLens
+from tests import stage
 
 # A polygon of the unit disc's area. It leaves the circle by less than (pi / n)^2 / 2 = 7.5e-5, inwards and outwards
 # by the same area on every side, so that only the sides a card's outline crosses count: each crossing errs by

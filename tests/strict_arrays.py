@@ -64,9 +64,8 @@ def main() -> int:
     spec.loader.exec_module(policy)
     policy.kernel, policy.tile_kernel = strictly(policy.kernel), strictly(policy.tile_kernel)
 
-    from hostile import LENSES, PICTURES, SCENES
-
     import refdof
+    from tests.hostile import LENSES, PICTURES, SCENES
 
     faults = []
 

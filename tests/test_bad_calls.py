@@ -9,10 +9,12 @@ from dataclasses import fields, is_dataclass
 
 import numpy as np
 import pytest
-from bad_calls import DOORS, INNER, SCALARS, THINGS, arguments_of, public_names, variants
 
 from refdof import InputError
 from refdof.image.file import save_image
+from tests.bad_calls import DOORS, INNER, SCALARS, THINGS, arguments_of, public_names, variants
+
+pytestmark = pytest.mark.fast
 
 CASES = [(name, argument) for name, door in DOORS.items() for argument in door.base]
 

@@ -8,6 +8,8 @@ import pytest
 from refdof import _check
 from refdof._check import InputError
 
+pytestmark = pytest.mark.fast
+
 NAN, INF = float("nan"), float("inf")
 
 

@@ -11,10 +11,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hostile import CAMERA, LENSES, PICTURES, SCENES
 
 import refdof
 from refdof import METHODS, InputError, Light, Material, Part, Scene, ThinLens
+from tests.hostile import CAMERA, LENSES, PICTURES, SCENES
+
+pytestmark = pytest.mark.fast
 
 FEW = {"samples": 2}
 

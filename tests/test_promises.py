@@ -2,13 +2,13 @@
 
 import math
 
-import full_scene as full
 import numpy as np
 import pytest
 from scipy import ndimage
 
 from refdof import METHODS, ThinLens, render
 from refdof.methods._contract import PROMISES, REACH
+from tests import full_scene as full
 
 SAMPLING = ("triangles",)  # the inputs of methods that send rays
 NOISE = 64**-0.75  # of the smallest default count of lens samples, at an edge of contrast 1 (one standard deviation)

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from test_contract import quad, stage
 
 from refdof import METHODS, InputError, View, render
 from refdof.compare import compare
 from refdof.rendering import make_params, render_view
+from tests.methods.test_contract import quad, stage
+
+pytestmark = pytest.mark.fast
 
 
 def view():

@@ -12,6 +12,8 @@ from refdof.methods import poisson, singlepass
 from refdof.methods.cascaded.gaussian import TRUNCATION
 from refdof.methods.mipmap.magnify import _log2
 
+pytestmark = pytest.mark.fast
+
 
 def test_tails_that_gaussians_lose():
     assert round(100 * math.erfc(TRUNCATION / math.sqrt(2)), 2) == 0.27  # refdof/methods/cascaded/gaussian.py

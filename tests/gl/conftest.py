@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from gl.shader import GLMissing, open_context
+from tests.gl.shader import GLMissing, open_context
 
 _RENDERER = pytest.StashKey[str]()
 

@@ -9,7 +9,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from gl import shader
+from tests.gl import shader
 
 __all__ = ["Work", "draw_levels", "draw_picture", "upload"]
 

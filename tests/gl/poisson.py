@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from gl import shader
+from tests.gl import shader
 
 __all__ = ["upload"]
 

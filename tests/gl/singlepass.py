@@ -10,7 +10,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from gl import shader
+from tests.gl import shader
 
 __all__ = ["foreign_taps", "upload"]
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from gl import geometry
 from refdof import Camera
 from refdof.raster.gpu.gpu_model import LLVMPIPE
 from refdof.raster.gpu.triangles import rasterize
+from tests.gl import geometry
 
 pytestmark = pytest.mark.gl
 

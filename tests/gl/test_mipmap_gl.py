@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from gl import mipmap as shaders
-from gl import shader
 from refdof import View, load_scene
 from refdof.methods.mipmap import Params, blur
 from refdof.methods.mipmap.method import _last_level
+from tests.gl import mipmap as shaders
+from tests.gl import shader
 
 pytestmark = pytest.mark.gl
 

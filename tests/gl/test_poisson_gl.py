@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from gl import poisson as listing
-from gl import shader
 from refdof.methods import poisson
+from tests.gl import poisson as listing
+from tests.gl import shader
 
 pytestmark = pytest.mark.gl
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from gl import shader
-from gl import singlepass as listing
 from refdof import View, load_scene
 from refdof.methods.singlepass import Params, blur, spiral
+from tests.gl import shader
+from tests.gl import singlepass as listing
 
 pytestmark = pytest.mark.gl
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gl import shader
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
+from tests.gl import shader
 
 pytestmark = pytest.mark.gl
 

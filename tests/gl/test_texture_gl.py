@@ -4,11 +4,11 @@ import moderngl
 import numpy as np
 import pytest
 
-from gl import shader
 from refdof.methods.multiview.coverage import coverage_mipmaps
 from refdof.raster.filters.mipmap import generate_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
+from tests.gl import shader
 
 pytestmark = pytest.mark.gl
 

@@ -1,0 +1,152 @@
+"""The cache cannot go stale, and compiled helpers do what they say."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import refdof
+from refdof import _jit
+from refdof._jit import compile as compile_
+from refdof._jit import texel_registers
+
+pytestmark = pytest.mark.fast
+
+PACKAGE = Path(_jit.__file__).parents[1]
+
+
+def run(folder, cache):
+    words = {**os.environ, "PYTHONPATH": str(folder), "REFDOF_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    code = "from refdof.probe import answer; print(answer(1.0))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=words, cwd=folder, capture_output=True, text=True, timeout=300, check=True
+    )
+    return done.stdout.strip()
+
+
+def test_an_edited_helper_is_seen_at_once(tmp_path):
+    """The kernel's file stays as it is; only the helper in another file changes."""
+    package, cache = tmp_path / "refdof", tmp_path / "cache"
+    package.mkdir()
+    shutil.copytree(PACKAGE / "_jit", package / "_jit", ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "__init__.py").write_text("")
+    (package / "helper.py").write_text(
+        "from refdof._jit import inline\n\n\n@inline\ndef step(x):\n    return x + 1.0\n"
+    )
+    (package / "probe.py").write_text(
+        "from refdof._jit import tile_kernel\nfrom refdof.helper import step\n\n\n"
+        "@tile_kernel\ndef answer(x):\n    return step(x)\n"
+    )
+    assert run(tmp_path, cache) == "2.0"
+    assert run(tmp_path, cache) == "2.0"
+    assert len(list(cache.iterdir())) == 1
+    helper = package / "helper.py"
+    helper.write_text(helper.read_text().replace("1.0", "100.0"))
+    assert run(tmp_path, cache) == "101.0"
+    assert len(list(cache.iterdir())) == 2
+
+
+def test_the_digest_covers_the_whole_package():
+    assert compile_._package_folder() == Path(refdof.__file__).parent
+
+
+def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
+    package, cache = tmp_path / "refdof", tmp_path / "cache"
+    package.mkdir()
+    shutil.copytree(PACKAGE / "_jit", package / "_jit", ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "__init__.py").write_text("")
+    (package / "probe.py").write_text("from refdof import _jit\n\n\ndef answer(x):\n    return x\n")
+    for name, days in (("old", 40), ("young", 10)):
+        (cache / name).mkdir(parents=True)
+        os.utime(cache / name, (time.time() - days * 86400,) * 2)
+    assert run(tmp_path, cache) == "1.0"
+    assert not (cache / "old").exists()
+    assert (cache / "young").exists()
+
+
+def test_tasks_report_progress_and_pass_errors_on():
+    seen = []
+    out = np.zeros(10)
+    _jit.run_tasks(lambda k: out.__setitem__(k, k * k), range(10), lambda done, count: seen.append((done, count)))
+    assert out.tolist() == [k * k for k in range(10)]
+    assert seen[-1] == (10, 10)
+
+    def fail(k):
+        raise ValueError(k)
+
+    with pytest.raises(ValueError, match="3"):
+        _jit.run_tasks(fail, [3])
+
+
+def test_an_interrupt_ends_after_the_running_jobs():
+    ran = []
+
+    def stop(done, count):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        _jit.run_tasks(lambda k: (time.sleep(0.01), ran.append(k)), range(1000), stop)
+    assert len(ran) < 900  # all of them would take seconds
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_four_channels_at_once_are_a_bilinear_read_of_each(dtype):
+    texels = np.random.default_rng(1).random((7, 4)).astype(dtype)
+    places = 2, 3, 5, 6
+    found = blend(texels, *places, dtype(0.25), dtype(0.5))
+    a, b, c, d = texels[list(places)].astype(float)
+    expected = 0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d)
+    np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # six roundings
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_weighed_texels_are_the_sum_of_each_channel(dtype):
+    texels, weights = np.random.default_rng(2).random((7, 4)).astype(dtype), tuple(dtype(k) for k in (0.5, 2, 3))
+    found = weigh(texels, (6, 0, 3), weights)
+    expected = np.array([0.5, 2.0, 3.0]) @ texels[[6, 0, 3]].astype(float)
+    np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # five roundings
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("size", [(1, 1), (1, 5), (4, 1), (6, 7)])
+def test_a_circle_is_nine_bilinear_reads_cut_at_the_border(size, dtype):
+    height, width = size
+    texels = np.random.default_rng(3).random((2 + height * width + 1, 4)).astype(dtype)
+    level = texels[2:-1].astype(float).reshape(height, width, 4)
+    near, side, far = 0.25, 0.125, 0.0625
+    for u, v, a, b in [(3.25, 2.5, 1.5, 0.75), (0.5, 0.5, 0.0, 0.0), (7.0, 6.0, 2.0, 9.0), (0.0, 1.25, 1.0, 0.5)]:
+        found = circle(texels, 2, width, height, *map(dtype, (u, v, a, b)), tuple(map(dtype, (near, side, far))))
+        expected = near * bilinear(level, u, v)
+        for x, y in [(1, 0), (-1, 0), (0, 1), (0, -1)]:
+            expected += side * bilinear(level, u + x * a, v + y * b)
+        for x, y in [(1, 1), (-1, 1), (1, -1), (-1, -1)]:
+            expected += far * bilinear(level, u + x * a * np.sqrt(0.5), v + y * b * np.sqrt(0.5))
+        # Places of a few texels in a type of 24 or 53 bits, neighbours that differ by up to 1.
+        np.testing.assert_allclose(found, expected[:3], rtol=0, atol=20 * np.finfo(dtype).eps)
+
+
+def bilinear(level, u, v):
+    """Clamped to the edge, with tents of one texel."""
+    y, x = (np.clip(place - 0.5, 0, side - 1) for place, side in zip((v, u), level.shape, strict=False))
+    rows, columns = (np.maximum(0, 1 - abs(np.arange(n) - at)) for at, n in ((y, level.shape[0]), (x, level.shape[1])))
+    return np.einsum("y,x,yxc->c", rows, columns, level)
+
+
+@_jit.tile_kernel
+def blend(texels, a, b, c, d, across, down):
+    return texel_registers.blend_texels(texels, a, b, c, d, across, down)
+
+
+@_jit.tile_kernel
+def weigh(texels, places, weights):
+    return texel_registers.weigh_texels(texels, places, weights)
+
+
+@_jit.tile_kernel
+def circle(texels, start, width, height, u, v, a, b, shares):
+    return texel_registers.read_circle(texels, start, width, height, u, v, a, b, shares)
