@@ -1,4 +1,6 @@
-"""Methods: every module in this folder is one published algorithm, with the same door.
+"""Methods: every module or folder in this folder is one published algorithm, with the same door.
+
+A folder holds everything that only its method uses: `method` is its module, whose names the folder gives on.
 
 A method module has
 
