@@ -16,11 +16,11 @@ TEMPLATES = Path(__file__).parent / "templates"
 FILES = {
     "method": {
         "method.py": "refdof/methods/NAME.py",
-        "naive.py": "tests/naive_NAME.py",
-        "test.py": "tests/test_NAME.py",
+        "naive.py": "tests/methods/naive_NAME.py",
+        "test.py": "tests/methods/test_NAME.py",
     },
     "scene": {
-        "scene.py": "refdof/scenes/NAME.py",
+        "scene.py": "refdof/scene/builtin/NAME.py",
         "scene.toml": "data/scenes/NAME.toml",
     },
 }
@@ -58,8 +58,9 @@ def new(kind: str, name: str) -> list[str]:
         raise ValueError(f"NAME: got {name!r}; allowed are lower-case letters, digits and _, a letter first")
     targets = {source: target.replace("NAME", name) for source, target in FILES[kind].items()}
     for target in targets.values():
-        if (ROOT / target).exists() or (ROOT / target).with_suffix("").is_dir():
-            raise ValueError(f"NAME: got {name!r}, but {target} exists; allowed is a new name")
+        for taken in (target, target.removesuffix(".py")):  # a method or a scene may be a folder
+            if (ROOT / taken).exists():
+                raise ValueError(f"NAME: got {name!r}, but {taken} exists; allowed is a new name")
     for source, target in targets.items():
         (ROOT / target).write_text(_read(TEMPLATES / source).replace("NAME", name), encoding="utf-8")
     changed = list(targets.values())

@@ -206,7 +206,7 @@ DOORS: dict[str, Door] = {
         {"path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0)},
         {"path": ("scene",)},
     ),
-    "refdof.methods.cascaded.blur_buffers": Door(
+    "refdof.methods.cascaded.method.blur_buffers": Door(
         cascaded.blur_buffers,
         {
             "color": COLOR[None],
@@ -364,27 +364,36 @@ DOORS: dict[str, Door] = {
     "refdof.view.view_of": Door(refdof.view.view_of, _SHOT),
 }
 for _name, _module in METHODS.items():
-    DOORS[f"refdof.methods.{_name}.Params"] = Door(
+    DOORS[f"{_module.Params.__module__}.Params"] = Door(
         _rendered(_name),
         _params_base(_name),
         {"near": ("near, far", "spacing_px"), "far": ("near", "near, far", "spacing_px")},
         any_result=True,
     )
     if _module.METHOD.kind == "single image":
-        DOORS[f"refdof.methods.{_name}.blur"] = Door(
+        DOORS[f"{_module.blur.__module__}.blur"] = Door(
             _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
         )
 
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "atomic", "cli", "comparison", "error_bar", "gltf_camera", "lens_maps", "lens_rays", "lens_shape",
-    "method_record", "normals", "opening", "owen", "poisson_disc", "report", "scenes", "shading", "shot",
-    "small_lights", "suggest", "surfaces", "tile_sampler", "trace", "raster.anisotropic", "raster.attributes",
-    "raster.bins", "raster.clip", "raster.decomposition",
-    "raster.depth_format", "raster.disc", "raster.filters", "raster.footprint", "raster.gaussian", "raster.halving",
-    "raster.height_field", "raster.layer_color", "raster.layer_trace", "raster.magnify", "raster.peel",
-    "raster.planar", "raster.pyramid", "raster.quick_blurs", "raster.ray_doubt", "raster.raycast", "raster.reads",
-    "raster.squares", "raster.texel_walk",
+    "cli", "comparison", "report", "trace",
+    "optics.lens_maps", "optics.lens_shape", "optics.opening", "optics.owen", "optics.poisson_disc", "optics.shot",
+    "image.atomic",
+    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.normals", "scene.suggest",
+    "raster.rays.attributes", "raster.rays.layer_color", "raster.rays.peel", "raster.rays.raycast",
+    "raster.rays.shading", "raster.rays.surfaces",
+    "raster.gpu.bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
+    "raster.filters.bilinear", "raster.filters.halving", "raster.filters.squares",
+    "truth.error_bar", "truth.lens_rays", "truth.small_lights", "truth.tile_sampler",
+    "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.quick_blurs",
+    "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
+    "methods.mipmap.anisotropic", "methods.mipmap.magnify",
+    "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.gather",
+    "methods.multiview.height_field", "methods.multiview.ray_doubt",
+    "methods.pyramidal.pyramid",
+    "methods.scatter.disc",
+    "methods.singlepass.planar",
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
@@ -393,9 +402,9 @@ INNER = {
     "refdof.truth.forecast.Forecast",
     "refdof.optics.lens_pattern.LensPattern",
     "refdof.optics.lens_pattern.mean_nearest_distance",
-    "refdof.methods.cascaded.layering_of",
-    "refdof.methods.multiview.cone_width",
-    "refdof.methods.singlepass.spiral",
+    "refdof.methods.cascaded.method.layering_of",
+    "refdof.methods.multiview.method.cone_width",
+    "refdof.methods.singlepass.method.spiral",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
@@ -419,7 +428,7 @@ INNER = {
     "refdof.view.View.booking",
     "refdof.view.View.product",
 }
-INNER |= {f"refdof.methods.{name}.{word}" for name in METHODS for word in ("render", "texture_reads")}
+INNER |= {f"{module.render.__module__}.{word}" for module in METHODS.values() for word in ("render", "texture_reads")}
 
 SCALARS = [
     None, "no", "", "no\nno", b"no", NAN, INF, -INF, -1, 0, 1e300, -1e300, 1e-300, 20.5, True, 1j, 10**400, -(10**400),
@@ -465,7 +474,7 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.split(".")[0] in ("scenes", "report", "data"):
+        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "data")):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

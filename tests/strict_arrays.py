@@ -4,10 +4,11 @@ Kernels are given views of their arrays that refuse what compiled code would rea
 in status 1 with one line per fault.
 """
 
+import importlib
 import importlib.util
 import sys
 from functools import wraps
-from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -56,12 +57,12 @@ def strictly(decorate):
 
 
 def main() -> int:
-    # The decorators are wrapped before anything is decorated.
-    source = Path(importlib.util.find_spec("refdof").submodule_search_locations[0]) / "_jit.py"
-    spec = importlib.util.spec_from_file_location("refdof._jit", source)
-    policy = importlib.util.module_from_spec(spec)
-    sys.modules["refdof._jit"] = policy
-    spec.loader.exec_module(policy)
+    # The decorators are wrapped before anything is decorated: `_jit` is imported into an empty package.
+    empty = ModuleType("refdof")
+    empty.__path__ = list(importlib.util.find_spec("refdof").submodule_search_locations)
+    sys.modules["refdof"] = empty
+    policy = importlib.import_module("refdof._jit")
+    del sys.modules["refdof"]
     policy.kernel, policy.tile_kernel = strictly(policy.kernel), strictly(policy.tile_kernel)
 
     import refdof

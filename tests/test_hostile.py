@@ -96,10 +96,9 @@ def test_mirrors_of_an_even_environment_see_it(side):
 
 
 def test_no_index_is_negative():
-    script = Path(__file__).parent / "strict_arrays.py"
-    path = os.pathsep.join([str(Path(refdof.__file__).parent.parent), str(script.parent)])
+    path = os.pathsep.join([str(Path(refdof.__file__).parent.parent), str(Path(__file__).parent.parent)])
     result = subprocess.run(
-        [sys.executable, "-W", "error", str(script)],
+        [sys.executable, "-W", "error", "-m", "tests.strict_arrays"],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path},
         capture_output=True,
         text=True,

@@ -42,7 +42,8 @@ def run(copy, *words):
 
 @pytest.mark.slow
 def test_the_skeletons_pass_the_contract_tests(tree):
-    files = [f"tests/test_{name}.py" for name in ("contract", "bad_calls", "rendering", "readme", "scenes", "sketch")]
+    places = ("methods/test_contract", "test_bad_calls", "test_rendering", "test_readme", "scene/test_scenes")
+    files = [f"tests/{place}.py" for place in (*places, "methods/test_sketch")]
     done = run(tree, "pytest", "-v", "-p", "no:cacheprovider", *files, "-k", "sketch or table or order")
     assert done.returncode == 0, done.stdout[-3000:]
     for test in (  # the new ones were among them
@@ -89,9 +90,10 @@ def test_the_row_is_in_its_place(tree):
         (
             "new-method",
             "mipmap",
-            "NAME: got 'mipmap', but refdof/methods/mipmap/method.py exists; allowed is a new name",
+            "NAME: got 'mipmap', but refdof/methods/mipmap exists; allowed is a new name",
         ),
-        ("new-scene", "shot", "NAME: got 'shot', but refdof/scene/kit/shot.py exists; allowed is a new name"),
+        ("new-method", "poisson", "NAME: got 'poisson', but refdof/methods/poisson.py exists; allowed is a new name"),
+        ("new-scene", "fence", "NAME: got 'fence', but refdof/scene/builtin/fence.py exists; allowed is a new name"),
     ],
 )
 def test_bad_names_are_one_line_and_write_nothing(tree, task, name, message):

@@ -47,7 +47,7 @@ def test_logarithm_of_the_mipmap_method():
 
 
 def test_the_worst_depth_for_ten_umbra_layers():
-    # refdof/raster/rays/umbra.py: 30 degrees, 600 rows, 9 mm, from 1 m; a step is a pixel's tangent over the lens radius.
+    # raster/rays/umbra.py: 30 degrees, 600 rows, 9 mm, from 1 m; a step is a pixel's tangent over the lens radius.
     step = 2.0 * math.tan(math.radians(15.0)) / 600.0 / 0.009
     assert 1.0 / (1.0 - 10.0 * step) == pytest.approx(131.66, abs=0.005)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from naive_NAME import naive_blur
 
 from refdof.methods.NAME import Params, blur
+from tests.methods.naive_NAME import naive_blur
 
 pytestmark = pytest.mark.fast
 
