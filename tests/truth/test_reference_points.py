@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from refdof import Part, ThinLens, render
-from refdof.truth import reference
+from refdof import Part, ThinLens, reference, render
 from tests import stage
 
 pytestmark = pytest.mark.fast
