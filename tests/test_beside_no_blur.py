@@ -1,4 +1,4 @@
-"""Every method beside the pinhole picture, on every built-in scene: blurring must help, or the record says where not."""
+"""Every method beside the pinhole picture, on every built-in scene: blurring helps, or the record says where not."""
 
 import pytest
 
