@@ -68,11 +68,11 @@ def test_the_compare_table_can_be_made_anew(tmp_path):
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "readme_table.py", tmp_path / ".ci")
     (tmp_path / "README.md").write_text("a\n<!-- compare table -->\nold\n<!-- end -->\nb\n<!-- end -->\n")
-    (tmp_path / "table.md").write_text("| new |\n")
+    (tmp_path / "table.md").write_text("### fence\n\n| new |\n| --- |\n\nReference: 1 s.\n\nPSNR is\n")
     script = [sys.executable, str(tmp_path / ".ci" / "readme_table.py"), str(tmp_path / "table.md")]
     subprocess.run(script, check=True, timeout=60)
     text = (tmp_path / "README.md").read_text()
-    assert text == "a\n<!-- compare table -->\n\n| new |\n\n<!-- end -->\nb\n<!-- end -->\n"
+    assert text == "a\n<!-- compare table -->\n\n| new |\n| --- |\n\nReference: 1 s.\n<!-- end -->\nb\n<!-- end -->\n"
 
 
 def test_the_python_runs(tmp_path, capsys):
