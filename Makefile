@@ -36,6 +36,12 @@ readme: .venv/run  ## make the README's picture and table anew
 	cp out/readme/overview.png docs/overview.png
 	$(BIN)/python .ci/readme_table.py out/readme/table.md
 
+new-method:  ## write the skeleton of a method: make new-method NAME=my_method
+	@$(PYTHON) scaffold/new.py method '$(NAME)'
+
+new-scene:  ## write the skeleton of a scene: make new-scene NAME=my_scene
+	@$(PYTHON) scaffold/new.py scene '$(NAME)'
+
 clean:  ## remove the virtual environment and what was built
 	rm -rf .venv build *.egg-info out
 
@@ -56,4 +62,4 @@ clean:  ## remove the virtual environment and what was built
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint wheel readme clean peers
+.PHONY: help compare test fast bounds lint wheel readme new-method new-scene clean peers
