@@ -14,7 +14,7 @@ import refdof
 from refdof import METHODS
 from refdof.report.table import columns
 
-ROOT = Path(__file__).parent.parent
+ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 MARKDOWN = MarkdownIt("commonmark").enable("table")  # as GitHub reads tables
 
