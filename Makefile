@@ -30,8 +30,12 @@ readme: .venv/run  ## make the README's picture anew
 	$(BIN)/refdof compare fence --out out/readme
 	cp out/readme/overview.png docs/overview.png
 
+docs: .venv/docs  ## the documentation, into build/docs/index.html
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --builder html docs build/docs
+	$(BIN)/python docs/check_offline.py build/docs
+
 clean:  ## remove the virtual environment and what was built
-	rm -rf .venv build *.egg-info out
+	rm -rf .venv build *.egg-info out docs/api docs/examples docs/methods docs/sg_execution_times.rst
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
@@ -48,6 +52,10 @@ clean:  ## remove the virtual environment and what was built
 	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[peers]'
 	touch $@
 
+.venv/docs: .venv/run
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint readme clean peers
+.PHONY: help compare test fast bounds lint readme docs clean peers
