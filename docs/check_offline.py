@@ -11,7 +11,13 @@ from pathlib import Path
 
 __all__ = ["remote_parts"]
 
-_LOADED = {"script": ("src",), "img": ("src", "srcset"), "iframe": ("src",), "source": ("src", "srcset"), "link": ("href",)}
+_LOADED = {
+    "script": ("src",),
+    "img": ("src", "srcset"),
+    "iframe": ("src",),
+    "source": ("src", "srcset"),
+    "link": ("href",),
+}
 _REMOTE = re.compile(r"^\s*(https?:)?//")
 _IN_STYLE = re.compile(r"(?:url\(|@import)\s*['\"]?\s*(?:https?:)?//[^'\")]*")
 

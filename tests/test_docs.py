@@ -16,7 +16,7 @@ import refdof
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.glob("*.md"))
-WITH_EXAMPLES = [page for page in PAGES if "```pycon" in page.read_text()]
+WITH_EXAMPLES = [page for page in PAGES if "\n```pycon\n>>>" in page.read_text()]
 
 pytestmark = pytest.mark.fast
 
@@ -88,7 +88,8 @@ def test_offline_check_finds_what_is_loaded_from_elsewhere(tmp_path):
     spec.loader.exec_module(check)
     (tmp_path / "page.html").write_text(
         '<a href="https://example.org">link</a><img src="here.png"><script src="https://example.org/a.js"></script>'
-        '<link rel="stylesheet" href="//example.org/b.css"><style>body { background: url(https://example.org/c.png) }</style>'
+        '<link rel="stylesheet" href="//example.org/b.css"><style>'
+        "body { background: url(https://example.org/c.png) }</style>"
     )
     (tmp_path / "style.css").write_text('@import "https://example.org/d.css"; a { background: url(e.png) }')
     found = " ".join(check.remote_parts(tmp_path))

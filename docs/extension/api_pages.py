@@ -70,7 +70,10 @@ def table(names: list[str]) -> list[str]:
     """Rows of modules and what each is, as a list table."""
     lines = [".. list-table::", "   :widths: 30 70", ""]
     for name in names:
-        lines += [f"   * - :doc:`{name} </api/{name}>`", f"     - {escape(first_sentence(import_module(name).__doc__))}"]
+        lines += [
+            f"   * - :doc:`{name} </api/{name}>`",
+            f"     - {escape(first_sentence(import_module(name).__doc__))}",
+        ]
     return lines
 
 

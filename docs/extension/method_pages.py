@@ -55,7 +55,7 @@ def _source(module: ModuleType) -> ModuleType:
 
 
 def _pictures(folder: Path) -> tuple[dict[str, Shown], float]:
-    """Render every method; save reference, picture and error side by side. Returns what was seen, and the floor [dB]."""
+    """Render every method; save reference, picture and error side by side. Returns scores, and the floor [dB]."""
     scene = refdof.load_scene(SCENE)
     camera = scene.camera.with_size(SIZE)
     truth = refdof.reference(scene, camera, samples=SAMPLES)
@@ -129,7 +129,10 @@ def _facts(record: Any) -> list[str]:
         ["Source", record.source + (" (a reconstruction: the source's text was not at hand)" * record.reconstruction)],
         ["Kind", f"{record.kind}: {_registry('KINDS', record)[record.kind]}"],
         ["Needs", ", ".join(record.inputs)],
-        ["Texture reads", "depend on the scene" if count is None else f"{count:.2f} per pixel at {width} x {height} px"],
+        [
+            "Texture reads",
+            "depend on the scene" if count is None else f"{count:.2f} per pixel at {width} x {height} px",
+        ],
     ]
     return [".. list-table::", "   :class: method-facts", "", *_rows(rows), ""]
 
@@ -168,7 +171,7 @@ def _promises(record: Any) -> list[str]:
         [f"**{name}**", "yes" if name in record.promises else "no", escape(meaning)]
         for name, meaning in _registry("PROMISES", record).items()
     ]
-    text = "Properties that the tests check in one scene that has everything at once. \"No\" means: not claimed."
+    text = 'Properties that the tests check in one scene that has everything at once. "No" means: not claimed.'
     return [text, "", *_list_table(["promise", "kept", "meaning"], rows, "15 10 75")]
 
 

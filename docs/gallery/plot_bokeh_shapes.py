@@ -21,7 +21,7 @@ lamps = []
 for x, color in ((-0.85, (90.0, 60.0, 30.0)), (0.0, (70.0, 70.0, 70.0)), (0.85, (30.0, 50.0, 90.0))):
     corners = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]) * 0.03
     material = refdof.Material("unlit", base_color=(0.0, 0.0, 0.0), emission=color)
-    lamps.append(refdof.Part(corners + [x, 0.0, -4.0], np.array([[0, 1, 2], [0, 2, 3]]), material))
+    lamps.append(refdof.Part(corners + np.array([x, 0.0, -4.0]), np.array([[0, 1, 2], [0, 2, 3]]), material))
 camera = refdof.Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=22.0, size=(180, 90))
 lens = refdof.ThinLens(radius=0.3, focus_distance=2.0)
 scene = refdof.Scene.from_parts("lamps", lamps, camera, lens, background=(0.01, 0.01, 0.02))

@@ -2,8 +2,8 @@
 As measured, or as printed
 ==========================
 
-Where a paper's text and what works best differ, the preset ``paper`` follows the text and ``best``, the default, follows
-the measurement. Here are both for ``cascaded``, whose paper prints one formula upside down.
+Where a paper's text and what works best differ, the preset ``paper`` follows the text and ``best``, the default,
+follows the measurement. Here are both for ``cascaded``, whose paper prints one formula upside down.
 """
 
 import matplotlib.pyplot as plt
