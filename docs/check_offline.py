@@ -31,7 +31,7 @@ class _Reader(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Note an element's address if it leads elsewhere."""
-        self.found += [value for key, value in attrs if key in _LOADED.get(tag, ()) and _REMOTE.match(value or "")]
+        self.found += [value for key, value in attrs if value and key in _LOADED.get(tag, ()) and _REMOTE.match(value)]
 
 
 def remote_parts(folder: Path) -> list[str]:

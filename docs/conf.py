@@ -57,4 +57,6 @@ html_title = f"refdof {version}"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_show_sourcelink = False
+html_show_copyright = False
+smartquotes = False  # quotes in docstrings are values
 html_copy_source = False

@@ -131,7 +131,7 @@ def _facts(record: Any) -> list[str]:
         ["Needs", ", ".join(record.inputs)],
         [
             "Texture reads",
-            "depend on the scene" if count is None else f"{count:.2f} per pixel at {width} x {height} px",
+            "depend on the scene" if count is None else f"{count:.4g} per pixel at {width} x {height} px",
         ],
     ]
     return [".. list-table::", "   :class: method-facts", "", *_rows(rows), ""]
@@ -172,7 +172,7 @@ def _promises(record: Any) -> list[str]:
         for name, meaning in _registry("PROMISES", record).items()
     ]
     text = 'Properties that the tests check in one scene that has everything at once. "No" means: not claimed.'
-    return [text, "", *_list_table(["promise", "kept", "meaning"], rows, "15 10 75")]
+    return [text, "", *_list_table(["promise", "given", "meaning"], rows, "15 10 75")]
 
 
 def _doors(name: str, module: ModuleType) -> list[str]:
