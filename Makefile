@@ -35,7 +35,7 @@ docs: .venv/docs  ## the documentation, into build/docs/index.html
 	$(BIN)/python docs/check_offline.py build/docs
 
 clean:  ## remove the virtual environment and what was built
-	rm -rf .venv build *.egg-info out docs/api docs/examples docs/methods docs/sg_execution_times.rst
+	rm -rf .venv build *.egg-info out docs/api docs/examples docs/methods
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv

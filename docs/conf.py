@@ -43,6 +43,7 @@ myst_heading_anchors = 3
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "examples",
+    "within_subsection_order": "FileNameSortKey",
     "filename_pattern": r"/plot_",
     "copyfile_regex": r".*\.inc",  # nothing
     "download_all_examples": False,
@@ -50,6 +51,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "remove_config_comments": True,
     "show_signature": False,
+    "write_computation_times": False,  # a page that loads scripts from elsewhere
 }
 
 html_theme = "furo"

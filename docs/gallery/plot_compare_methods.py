@@ -41,4 +41,5 @@ for panel, (title, image) in zip(axes.flat, titled.items(), strict=False):
     panel.set_title(title, fontsize=9)
 
 # %%
-# The methods above 35 dB draw the scene as several layers, or many times. The others filter one picture.
+# ``accumulation`` draws the scene many times; ``multiview``, ``lensblur`` and ``cascaded`` draw it once, as several
+# layers. The others filter one picture.
