@@ -34,6 +34,12 @@ docs: .venv/docs  ## the documentation, into build/docs/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --builder html docs build/docs
 	$(BIN)/python docs/check_offline.py build/docs
 
+new-method:  ## write the skeleton of a method: make new-method NAME=my_method
+	@$(PYTHON) scaffold/new.py method '$(NAME)'
+
+new-scene:  ## write the skeleton of a scene: make new-scene NAME=my_scene
+	@$(PYTHON) scaffold/new.py scene '$(NAME)'
+
 clean:  ## remove the virtual environment and what was built
 	rm -rf .venv build *.egg-info out docs/api docs/examples docs/methods
 
@@ -58,4 +64,4 @@ clean:  ## remove the virtual environment and what was built
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint readme docs clean peers
+.PHONY: help compare test fast bounds lint readme docs new-method new-scene clean peers

@@ -7,9 +7,9 @@ names the argument, what it got and what is allowed.
 import json
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,7 +26,7 @@ from refdof.forecast import Forecast
 from refdof.image_file import SUFFIXES, save_image
 from refdof.lens import ThinLens
 from refdof.load import load_scene
-from refdof.method_facts import facts_of
+from refdof.method_record import facts_of
 from refdof.methods import METHODS
 from refdof.reference import MAX_SAMPLES
 from refdof.rendering import make_params, render_view
@@ -79,23 +79,20 @@ def scenes(as_json: AsJson = False) -> None:
 def methods(as_json: AsJson = False) -> None:
     """List the methods: source, inputs, texture reads at the default scene's size, parameters, and the paper's."""
     rows, texts = [], []
-    width, height = shot_of(DEFAULT_SCENE).camera.size
+    size = shot_of(DEFAULT_SCENE).camera.size
     for name, module in METHODS.items():
-        defaults = {field.name: getattr(module.Params(), field.name) for field in fields(module.Params)}
-        facts = facts_of(module, width, height)
-        rows.append(
-            {"method": name, "title": _title(module), "citation": module.CITATION, **asdict(facts), "params": defaults}
-        )
-        source = facts.source + (" (reconstruction)" if facts.reconstruction else "")
+        method, title = module.METHOD, _title(module)
+        rows.append({"method": name, "title": title, **facts_of(method, *size)})
+        reads = method.reads_in_words(*size)
         texts.append(
             [
                 name,
-                _title(module),
-                source,
-                ", ".join(facts.inputs),
-                facts.fetches,
-                _words(defaults),
-                _paper(facts.paper),
+                title,
+                method.origin,
+                ", ".join(method.inputs),
+                reads,
+                _words(method.defaults()),
+                _paper(method.paper),
             ]
         )
     if as_json:
@@ -280,11 +277,11 @@ def _title(module: Any) -> str:
     return str(module.__doc__).split("\n", 1)[0]
 
 
-def _words(values: dict[str, Any]) -> str:
+def _words(values: Mapping[str, Any]) -> str:
     return ", ".join(f"{key}={value}" for key, value in values.items())
 
 
-def _paper(values: dict[str, Any]) -> str:
+def _paper(values: Mapping[str, Any]) -> str:
     return f"paper: {_words(values)}" if values else ""
 
 

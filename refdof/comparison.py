@@ -17,7 +17,7 @@ class Row:
     Attributes
     ----------
     image : (H, W, 3) float32, linear RGB
-    scores : "psnr", "psnr_8bit", "ssim", "flip" (display image), "rmse", "rel_mse", "max_abs" (linear)
+    scores : by name, see `refdof.metrics.METRICS`
     prepare_s, blur_s : seconds spent on raster products and on the method itself
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     """

@@ -1,12 +1,12 @@
 """Render a view with any method, by name, and book its time.
 
 A method's parameters start from a preset: "best", the defaults of its `Params`, which measurement chose; or "paper",
-where the fields in its module's `PAPER` follow the paper's text to the letter.
+where the fields in its record's `paper` follow the paper's text to the letter.
 """
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -99,7 +99,7 @@ def make_params(method: str, values: Mapping[str, Any], preset: str = "best") ->
     as_choice("method", method, METHODS)
     as_choice("preset", preset, PRESETS)
     as_instance("values", values, dict)
-    kind = METHODS[method].Params
+    record = METHODS[method].METHOD
     for name in values:
-        as_choice(f"parameter of {method}", name, [field.name for field in fields(kind)])
-    return kind(**{**(METHODS[method].PAPER if preset == "paper" else {}), **values})
+        as_choice(f"parameter of {method}", name, record.defaults())
+    return record.params(**{**(record.paper if preset == "paper" else {}), **values})

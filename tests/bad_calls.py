@@ -360,15 +360,15 @@ for _name, _module in METHODS.items():
         {"near": ("near, far", "spacing_px"), "far": ("near", "near, far", "spacing_px")},
         any_result=True,
     )
-    if hasattr(_module, "blur"):
+    if _module.METHOD.kind == "single image":
         DOORS[f"refdof.methods.{_name}.blur"] = Door(
             _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
         )
 
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "atomic", "cli", "comparison", "error_bar", "fetches", "gltf_camera", "lens_maps", "lens_rays", "lens_shape",
-    "method_facts", "normals", "opening", "owen", "poisson_disc", "promises", "report", "scenes", "shading", "shot",
+    "atomic", "cli", "comparison", "error_bar", "gltf_camera", "lens_maps", "lens_rays", "lens_shape",
+    "method_record", "normals", "opening", "owen", "poisson_disc", "report", "scenes", "shading", "shot",
     "small_lights", "suggest", "surfaces", "tile_sampler", "trace", "raster.anisotropic", "raster.attributes",
     "raster.bins", "raster.clip", "raster.decomposition",
     "raster.depth_format", "raster.disc", "raster.filters", "raster.footprint", "raster.gaussian", "raster.halving",
@@ -386,6 +386,7 @@ INNER = {
     "refdof.methods.cascaded.layering_of",
     "refdof.methods.multiview.cone_width",
     "refdof.methods.singlepass.spiral",
+    "refdof.metrics.Metric",
     "refdof.noise_floor.floor_of_moments",
     "refdof.noise_floor.noise_moments",
     "refdof.raster.ambiguity.tied_depths",
@@ -408,7 +409,7 @@ INNER = {
     "refdof.view.View.booking",
     "refdof.view.View.product",
 }
-INNER |= {f"refdof.methods.{name}.{word}" for name in METHODS for word in ("render", "fetch_units")}
+INNER |= {f"refdof.methods.{name}.{word}" for name in METHODS for word in ("render", "texture_reads")}
 
 SCALARS = [
     None, "no", "", "no\nno", b"no", NAN, INF, -INF, -1, 0, 1e300, -1e300, 1e-300, 20.5, True, 1j, 10**400, -(10**400),

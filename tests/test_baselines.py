@@ -38,7 +38,7 @@ def test_poisson_is_the_shader(size, choice):
     params = poisson.Params(**choice)
     picture, reads = naive_baselines.poisson(color, poisson._code(depth, coc, params), params.max_radius)
     np.testing.assert_allclose(poisson.blur(color, depth, coc, params), picture, rtol=0, atol=ROUNDING)
-    assert poisson.fetch_units(params, size[1], size[0]) * depth.size == pytest.approx(reads, rel=1e-12)
+    assert poisson.texture_reads(params, size[1], size[0]) * depth.size == pytest.approx(reads, rel=1e-12)
 
 
 @pytest.mark.parametrize("leakage", [0.0, 0.2, 1.0])
@@ -48,7 +48,7 @@ def test_separable_is_its_two_passes(size, leakage):
     params = separable.Params(leakage)
     picture, reads = naive_baselines.separable(color, depth, coc, leakage)
     np.testing.assert_allclose(separable.blur(color, depth, coc, params), picture, rtol=0, atol=ROUNDING)
-    units = separable.fetch_units(params, size[1], size[0], mean=np.ceil(np.abs(coc)).mean())
+    units = separable.texture_reads(params, size[1], size[0], mean=np.ceil(np.abs(coc)).mean())
     assert units * depth.size == pytest.approx(reads, rel=1e-12)
 
 
@@ -60,7 +60,7 @@ def test_pyramidal_is_its_sub_images(size, largest_side):
     picture, reads = naive_baselines.pyramidal(color, coc, largest_side)
     np.testing.assert_allclose(pyramidal.blur(color, depth, coc, params), picture, rtol=0, atol=ROUNDING)
     if size != (1, 1):  # one pixel has one side only; units are of both
-        units = pyramidal.fetch_units(params, size[1], size[0], largest=7.0)
+        units = pyramidal.texture_reads(params, size[1], size[0], largest=7.0)
         assert units * depth.size == pytest.approx(reads, rel=1e-12)
 
 

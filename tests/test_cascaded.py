@@ -235,9 +235,9 @@ def test_a_card_that_fills_the_picture_hides_what_is_behind_it(name):
 
 
 def test_the_papers_parameters_are_other_ones():
-    usual, printed = Params(), Params(**cascaded.PAPER)
-    assert cascaded.PAPER
-    assert all(getattr(usual, name) != getattr(printed, name) for name in cascaded.PAPER)
+    usual, printed = Params(), Params(**cascaded.METHOD.paper)
+    assert cascaded.METHOD.paper
+    assert all(getattr(usual, name) != getattr(printed, name) for name in cascaded.METHOD.paper)
 
 
 def test_the_printed_ramp_rings():

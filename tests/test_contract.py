@@ -1,4 +1,4 @@
-"""Every method keeps every promise its module makes, and has the same door."""
+"""Every method keeps every promise that its record makes, and has the same door."""
 
 import re
 from dataclasses import FrozenInstanceError, fields, is_dataclass
@@ -9,7 +9,7 @@ import pytest
 from closed_forms import half_disc
 
 from refdof import METHODS, Camera, InputError, Material, Part, Scene, ThinLens, render
-from refdof.promises import PROMISES
+from refdof.method_record import Method
 
 ROOT = Path(__file__).parent.parent
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(24, 16))
@@ -26,24 +26,31 @@ def stage(*parts, radius=0.25, focus=4.0, background=(0.0, 0.0, 0.0), camera=CAM
 
 
 def promising(promise):
-    return [name for name, module in METHODS.items() if promise in module.PROMISES]
+    return [name for name, module in METHODS.items() if promise in module.METHOD.promises]
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_same_door(name):
     module = METHODS[name]
+    record = module.METHOD
+    assert isinstance(record, Method)
+    assert record.params is module.Params
     assert is_dataclass(module.Params)
-    assert set(module.PROMISES) <= set(PROMISES)
     with pytest.raises(FrozenInstanceError):
         setattr(module.Params(), fields(module.Params)[0].name, 1)
     document = module.__doc__
     assert document.index("Departures from the paper\n---") < document.index("References\n---")
     assert re.search(r"^1\. ", document, re.MULTILINE)
     keys = re.findall(r"@\w+\{(\w+),", (ROOT / "papers.bib").read_text())
-    assert module.CITATION in keys
-    assert module.SOURCE
-    assert module.INPUTS
-    assert ("**reconstruction**" in document) == module.RECONSTRUCTION
+    assert record.citation in keys
+    assert record.source
+    assert record.inputs
+    assert ("**reconstruction**" in document) == record.reconstruction
+    assert not (record.reconstruction and record.paper)  # no text at hand, no preset that follows it
+    assert (record.kind == "single image") == ("blur" in module.__all__)
+    assert record.known_defects
+    for sentence in record.known_defects:
+        assert re.fullmatch(r"[A-Z][^\n]{10,120}\.", sentence)
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -135,12 +142,13 @@ def test_symmetry(name):
 
 @pytest.mark.parametrize("name", promising("occlusion"))
 def test_occlusion(name):
-    bar = quad(-0.05, -9, 0.05, 9, 2.0, (0, 0, 0))
+    half = 2.0 / CAMERA.pixels_per_tangent  # one pixel at depth 2: the bar covers two columns whole
+    bar = quad(-half, -9, half, 9, 2.0, (0, 0, 0))
     wall = quad(-9, -9, 9, 9, 0.0, (0.9, 0.9, 0.9))
     image = render(name, stage(bar, wall, radius=0.25)).image
-    # At depth 2, half-way to the focal plane, the ray of lens point v is at 2 x + 0.125 v, with x = -1/2 px. The bar, a
-    # little wider than a pixel, hides the v between its sides.
+    # At depth 2, half-way to the focal plane, the ray of lens point v is at 2 x + 0.125 v, with x = -1/2 px. The bar
+    # hides the v between its sides.
     x = -0.5 / CAMERA.pixels_per_tangent
-    low, high = ((side - 2.0 * x) / 0.125 for side in (-0.05, 0.05))
+    low, high = ((side - 2.0 * x) / 0.125 for side in (-half, half))
     shown = 1.0 - (half_disc(high) - half_disc(low))
     assert image[8, 11, 0] == pytest.approx(0.9 * shown, abs=0.1)

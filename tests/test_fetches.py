@@ -1,20 +1,19 @@
 """Fetch accounting: the sums of table 1 in Lee, Kim and Choi (2009), and what `refdof methods` makes of them."""
 
 import math
-from types import MappingProxyType
+from dataclasses import replace
 
 import pytest
 
-from refdof import METHODS
-from refdof.fetches import level_shares
-from refdof.method_facts import facts_of
+from refdof import METHODS, InputError
+from refdof.method_record import facts_of, level_shares
 from refdof.methods import mipmap, poisson, pyramidal, separable, singlepass
 
 SIDE = 1024  # table 1's picture; its circles are at most 16 px wide, 8 px in the mean
 
 
 def units(module):
-    return module.fetch_units(module.Params(), SIDE, SIDE)
+    return module.METHOD.reads_per_pixel(SIDE, SIDE)
 
 
 def test_mipmap_makes_the_printed_20_98():
@@ -65,23 +64,34 @@ def test_levels_of_odd_sizes_are_rounded_down():
 
 @pytest.mark.parametrize("name", METHODS)
 def test_facts_of_every_method(name):
-    facts = facts_of(METHODS[name], 640, 480)
-    assert facts.source
-    assert facts.fetch_units is None or facts.fetch_units >= 0
-    assert facts.fetches
+    facts = facts_of(METHODS[name].METHOD, 640, 480)
+    assert facts["source"]
+    assert facts["fetch_units"] is None or facts["fetch_units"] >= 0
+    assert facts["params"] == vars(METHODS[name].Params())
+    assert METHODS[name].METHOD.reads_in_words(640, 480)
 
 
 def test_facts_in_words():
-    assert facts_of(METHODS["accumulation"], 64, 48).fetches == "no textures"
-    assert facts_of(METHODS["separable"], 64, 48).fetches == "27.00 fetch units"
+    assert METHODS["accumulation"].METHOD.reads_in_words(64, 48) == "no textures"
+    assert METHODS["separable"].METHOD.reads_in_words(64, 48) == "27.00 fetch units"
+    assert METHODS["separable"].METHOD.origin == "after Zhou, Chen, Pullen 2007 (reconstruction)"
+    assert METHODS["mipmap"].METHOD.origin == "Lee, Kim, Choi 2009"
 
 
 def test_a_method_without_a_count_depends_on_the_scene():
-    class Module:
-        CITATION = "nobody2026"
-        PAPER = MappingProxyType({})
-        Params = object
+    record = replace(METHODS["separable"].METHOD, texture_reads=None)
+    assert facts_of(record, 64, 48)["fetch_units"] is None
+    assert record.reads_in_words(64, 48) == "reads depend on the scene"
 
-    facts = facts_of(Module, 64, 48)
-    assert facts.fetch_units is None
-    assert facts.fetches == "reads depend on the scene"
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"kind": "single imag"}, "kind: got 'single imag'; did you mean 'single image'"),
+        ({"promises": ("constant", "pinhol")}, "promises: got 'pinhol'; did you mean 'pinhole'"),
+        ({"paper": {"leakag": 1.0}}, "paper: got 'leakag'; did you mean 'leakage'"),
+    ],
+)
+def test_a_record_names_what_does_not_exist(words, message):
+    with pytest.raises(InputError, match=message):
+        replace(METHODS["separable"].METHOD, **words)

@@ -33,18 +33,18 @@ def test_the_cap_holds_and_tells():
     assert result.samples.max() == 256
     above = (result.standard_error > 1e-4).any(axis=-1)
     assert result.unmet == pytest.approx(above.mean(), abs=1e-3)  # float32 at the limit
-    assert 0.2 < result.unmet < 0.6  # the right half
+    assert 0.2 < result.unmet < 0.8  # the right half, and the edge of the left one
     told = refdof.forecast(scene, tolerance=1e-4, max_samples=256)
     assert told.samples <= 256
     assert told.unmet == pytest.approx(result.unmet, abs=0.1)
 
 
 def test_a_bright_pixel_is_judged_by_its_brightness():
-    # An edge between 50 and 0 needs 50 times the error of an edge between 1 and 0 where it is bright.
+    # An edge between 4 and 0: where the picture is 2, twice the error is allowed.
     shot, lens = stage.camera(32, 8, 32.0), ThinLens(0.5, 1.0)
-    card = stage.rectangle(-99, 0, -99, 99, 2.0, (50.0, 50.0, 0.0))
-    result = refdof.reference(stage.scene_of([card], shot, lens), tolerance=0.01)
-    allowed = 0.01 * np.maximum(1.0, result.image.max(axis=-1, keepdims=True))
+    card = stage.rectangle(-99, 0, -99, 99, 2.0, (4.0, 4.0, 0.0))
+    result = refdof.reference(stage.scene_of([card], shot, lens), tolerance=0.02, max_samples=1 << 16)
+    allowed = 0.02 * np.maximum(1.0, result.image.max(axis=-1, keepdims=True))
     assert (result.standard_error <= allowed * (1 + 1e-6)).all()  # float32
     assert result.unmet == 0.0
 

@@ -46,7 +46,7 @@ def test_lenses(name):
         assert image is None or np.isfinite(image).all(), lens
 
 
-@pytest.mark.parametrize("name", [name for name, module in METHODS.items() if hasattr(module, "blur")])
+@pytest.mark.parametrize("name", [name for name, module in METHODS.items() if module.METHOD.kind == "single image"])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_pictures(name, dtype):
     for what, (color, depth, coc) in PICTURES.items():

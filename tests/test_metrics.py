@@ -175,6 +175,19 @@ def test_scores_are_the_single_metrics(pair):
         assert value == getattr(metrics, name)(*pair)
 
 
+@pytest.mark.parametrize("name", metrics.METRICS)
+def test_the_registry_says_which_way_is_better_and_of_which_values(name, pair):
+    reference, image = np.clip(pair[0], 0.1, 0.9), np.clip(pair[1], 0.1, 0.9)
+    metric = metrics.METRICS[name]
+    near, far = (metric.function(reference, reference + share * (image - reference)) for share in (0.25, 1.0))
+    assert (near > far) == (metric.better == "high")
+    assert metric.better in ("high", "low")
+    # Display values end at white: what is above it does not count there.
+    above = metric.function(np.full((16, 16, 3), 2.0), np.full((16, 16, 3), 3.0))
+    best = metric.function(reference, reference)
+    assert (above == pytest.approx(best)) == (metric.values == "display")
+
+
 def test_two_independent_references_remove_their_noise():
     random = np.random.default_rng(11)
     shape, bias, sigma = (64, 64, 3), 0.05, 0.05
@@ -262,7 +275,7 @@ BAD_IMAGES = {
     "four channels": (np.full((12, 13, 4), 0.5), "image: got shape"),
     "grey": (np.full((12, 13), 0.5), "image: got shape"),
     "8 bits": (np.full((12, 13, 3), 128, dtype=np.uint8), "image: got uint8"),
-    "words": ("picture", "image: got 'picture'; allowed are numbers"),
+    "words": ("picture", "image: got an array of <U7, shape"),
 }
 METRICS = ["rmse", "rel_mse", "max_abs", "psnr", "psnr_8bit", "ssim", "flip", "scores"]
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
-from refdof.methods.mipmap import Params, blur, fetch_units
+from refdof.methods.mipmap import Params, blur, texture_reads
 from refdof.raster.anisotropic import foreground_blur, halve
 from refdof.raster.gpu_model import LLVMPIPE, store
 from refdof.raster.mipmap import gaussian_mipmaps
@@ -57,12 +57,12 @@ def test_picture_and_stages_are_the_papers_equations(size, choice):
 
 @pytest.mark.parametrize("choice", CHOICES)
 @pytest.mark.parametrize("size", SIZES)
-def test_fetch_units_are_the_reads_that_were_counted(size, choice):
+def test_texture_reads_are_the_reads_that_were_counted(size, choice):
     color, _, coc = images(1, *size)
     words = dict(choice)
     geometric = words.pop("blend", "linear") == "geometric"
     reads = naive.mipmap(color, coc, geometric=geometric, **words)[1]["reads"]
-    units = fetch_units(Params(**choice), size[1], size[0], largest=np.abs(coc).max())
+    units = texture_reads(Params(**choice), size[1], size[0], largest=np.abs(coc).max())
     assert units * size[0] * size[1] == pytest.approx(reads, rel=1e-12)
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy import ndimage
 
 from refdof import METHODS, ThinLens, render
-from refdof.promises import PROMISES, REACH
+from refdof.method_record import PROMISES, REACH
 
 SAMPLING = ("triangles",)  # the inputs of methods that send rays
 NOISE = 64**-0.75  # of the smallest default count of lens samples, at an edge of contrast 1 (one standard deviation)
@@ -16,7 +16,7 @@ NOISE = 64**-0.75  # of the smallest default count of lens samples, at an edge o
 
 def promising(promise):
     assert promise in PROMISES
-    return [name for name, module in METHODS.items() if promise in module.PROMISES]
+    return [name for name, module in METHODS.items() if promise in module.METHOD.promises]
 
 
 @pytest.mark.parametrize("name", promising("constant"))
@@ -72,7 +72,7 @@ def test_symmetry(name, size):
     camera = full.CAMERA.with_size(size)
     image = render(name, full.scene(), camera).image
     mirrored = render(name, full.scene(mirrored=True), camera).image[:, ::-1]
-    if METHODS[name].INPUTS == SAMPLING:
+    if METHODS[name].METHOD.inputs == SAMPLING:
         difference = (image - mirrored)[..., 1:]  # contrasts below 0.8
         assert np.abs(difference).max() < 5 * 0.8 * NOISE * math.sqrt(2)
         assert abs(difference.mean()) < 0.001
@@ -96,7 +96,7 @@ def test_occlusion(name):
     assert np.abs(column - expected).max() < 0.1 + 4 * 0.8 * NOISE
 
 
-@pytest.mark.parametrize("name", [name for name, module in METHODS.items() if "pinhole depth" in module.INPUTS])
+@pytest.mark.parametrize("name", [name for name, module in METHODS.items() if "pinhole depth" in module.METHOD.inputs])
 def test_one_picture_does_not_show_what_it_hides(name):
     column, expected = seen_past_the_bar(name)
     assert np.abs(column.mean(axis=0) - expected).max() > 0.3

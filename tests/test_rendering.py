@@ -72,7 +72,7 @@ def test_wrong_objects():
 def test_the_papers_preset_names_fields_that_differ_and_values_that_are_allowed(name):
     best, paper = make_params(name, {}), make_params(name, {}, "paper")
     assert best == METHODS[name].Params()
-    for field, value in METHODS[name].PAPER.items():
+    for field, value in METHODS[name].METHOD.paper.items():
         assert getattr(paper, field) == value
         assert getattr(best, field) != value
 

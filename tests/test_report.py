@@ -18,6 +18,7 @@ from PIL import Image
 from refdof._check import InputError
 from refdof.display import to_8_bit
 from refdof.image_file import load_image
+from refdof.metrics import METRICS, Metric, scores
 from refdof.report import markdown_table, page, rows_as_json, write_comparison, write_comparisons
 
 
@@ -125,6 +126,33 @@ def test_csv_has_the_numbers_of_the_json(tmp_path):
         assert strict_json(line["params"]) == row["params"]
         for key in [*SCORES, "prepare_s", "blur_s"]:
             assert float(line[key]) == row[key]
+
+
+def test_headings_of_the_table():
+    head = [cell.strip() for cell in markdown_table([comparison()]).splitlines()[2].strip("|").split("|")]
+    assert head == [
+        "method", "PSNR [dB]", "8-bit PSNR [dB]", "SSIM", "FLIP", "RMSE", "relMSE", "max", "prepare [s]", "blur [s]",
+        "note",
+    ]  # fmt: skip
+
+
+def test_a_metric_is_one_entry(tmp_path, monkeypatch):
+    mean = Metric("mean", "%", "low", "linear", 1, "absolute error", lambda r, i: 100.0 * float(np.abs(i - r).mean()))
+    monkeypatch.setitem(METRICS, "mean_abs", mean)
+    black = np.zeros((16, 16, 3))
+    assert scores(black, black + 0.25)["mean_abs"] == 25.0
+    write_comparison(comparison(scores={**SCORES, "mean_abs": 12.5}), tmp_path)
+    row = strict_json((tmp_path / "table.json").read_text())["rows"][0]
+    assert list(row)[3:12] == [*SCORES, "mean_abs", "prepare_s"]
+    assert row["mean_abs"] == 12.5
+    lines = (tmp_path / "table.csv").read_text().splitlines()
+    assert ",max_abs,mean_abs,prepare_s," in lines[0]
+    assert ",0.5,12.5,0.5," in lines[1]
+    table = (tmp_path / "table.md").read_text()
+    assert "| mean [%] |" in table
+    assert "|     12.5 |" in table
+    assert "mean (lower is better, absolute error)." in table
+    assert '<th data-sort="number">mean [%]</th>' in (tmp_path / "report.html").read_text()
 
 
 def test_markdown_is_aligned_and_marks_the_noise_floor():

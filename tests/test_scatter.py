@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
 from refdof.methods import scatter
-from refdof.methods.scatter import Params, blur, fetch_units
+from refdof.methods.scatter import Params, blur, texture_reads
 from refdof.raster.disc import covered, inner_count, outer_count
 from refdof.trace import Trace
 
@@ -140,7 +140,7 @@ def test_rendering_records_its_stages():
 
 
 def test_each_pixel_is_read_once():
-    assert fetch_units(Params(), 64, 48) == 1.0
+    assert texture_reads(Params(), 64, 48) == 1.0
 
 
 def test_bad_input_is_named():

@@ -1,5 +1,7 @@
 """The built-in scenes: what their files promise, looked at through Embree's own rays."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from embreex.mesh_construction import TriangleMesh
@@ -73,18 +75,15 @@ def coc(scene, depth):
     return tangent * scene.lens.radius * (1.0 / scene.lens.focus_distance - 1.0 / depth)
 
 
+NINE = ("cans", "atrium", "fence", "branches", "lights", "mirrors", "foliage", "town", "figures")
+
+
 def test_names_and_order():
-    assert SCENES == (
-        "cans",
-        "atrium",
-        "fence",
-        "branches",
-        "lights",
-        "mirrors",
-        "foliage",
-        "town",
-        "figures",
-    )
+    assert SCENES[:9] == NINE
+    assert list(SCENES[9:]) == sorted(SCENES[9:])  # those without an order come last, by name
+    folder = Path(__file__).parent.parent / "data" / "scenes"
+    assert {file.stem for file in folder.glob("*.toml")} == set(SCENES)  # no file without its module
+    assert [shot_of(name).order for name in NINE] == list(range(1, 10))
 
 
 def test_an_unknown_scene_is_named():
@@ -255,6 +254,7 @@ def test_every_file_tells_what_it_shows(name):
         ("seed = 1", "", "a.toml: seed: missing"),
         ("seed = 1", "seed = -1", "a.toml: seed: got -1"),
         ("seed = 1", "seed = 1\ncolour = 3", "a.toml: colour: unknown"),
+        ("seed = 1", "seed = 1\norder = 0", "a.toml: order: got 0"),
         ("fov_y = 40.0", "", "a.toml: camera: fov_y: missing"),
         ("fov_y = 40.0", "fov_y = 400.0", "a.toml: fov_y: got 400"),
         ("radius = 0.1", "radius = 0.1\nf_number = 2", "a.toml: lens: f_number: unknown"),

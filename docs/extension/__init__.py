@@ -16,6 +16,7 @@ __all__ = ["setup"]
 
 def setup(app: Any) -> dict[str, bool]:
     """Connect the steps to Sphinx."""
+    app.add_config_value("render_methods", True, "env")  # False: text only, for a quick look
     app.connect("builder-inited", _write_pages)
     app.connect("env-before-read-docs", _show_python)
     app.connect("autodoc-process-docstring", _mend, priority=100)
@@ -26,7 +27,7 @@ def setup(app: Any) -> dict[str, bool]:
 def _write_pages(app: Any) -> None:
     source = Path(app.srcdir)
     api_pages.write(source)
-    method_pages.write(source)
+    method_pages.write(source, bool(app.config.render_methods))
 
 
 def _show_python(_app: Any, _env: Any, _names: list[str]) -> None:

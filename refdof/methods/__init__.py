@@ -3,16 +3,13 @@
 A method module has
 
 - a docstring: title sentence, numbered steps, *Departures from the paper*, *References*;
-- `CITATION`, a key of papers.bib, and `SOURCE`, its authors and year;
-- `INPUTS`, what it needs, and `RECONSTRUCTION`, True where the source was not at hand and steps are pieced together;
-- `PAPER`, the fields of `Params` in which the source's text differs from the defaults: the preset "paper";
 - `Params`, a frozen dataclass that validates itself and holds what the paper leaves open;
-- `PROMISES`, the properties that hold for it, out of `refdof.promises.PROMISES`;
+- `METHOD`, its record: source, kind, inputs, promises, texture reads, known defects (`refdof.method_record.Method`);
 - `render(view, params, trace) -> (H, W, 3) float32`, which asks the view for what it needs and nothing else;
-- `fetch_units(params, width, height)`, texture reads per pixel (`refdof.fetches`), unless these depend on the scene;
 - if it filters one image, `blur(color, depth, coc, params) -> (H, W, 3)` on plain arrays.
 
-The command line, the report, the tests and the README's table read these modules; there is no other list.
+The command line, the report, the tests and the README's table read the records; there is no other list.
+`make new-method NAME=...` writes a module that does all this.
 """
 
 from importlib import import_module

@@ -195,8 +195,8 @@ def _read(texels, level, px, py, diameter, out):
 def _add_bilinear(texels, level, k, px, py, weight, out):
     """Add weight times level k at (px, py) of level 0."""
     first, width, height = level[k, 0], level[k, 1], level[k, 2]
-    u = px * (width / level[0, 1]) - 0.5
-    v = py * (height / level[0, 2]) - 0.5
+    u = min(max(px * (width / level[0, 1]) - 0.5, -1.0), width + 0.0)  # beyond, the border goes on
+    v = min(max(py * (height / level[0, 2]) - 0.5, -1.0), height + 0.0)
     i, j = math.floor(u), math.floor(v)
     a, b = u - i, v - j
     for dy in range(2):

@@ -22,22 +22,13 @@ References
 from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
+from refdof.method_record import Method
 from refdof.reference import estimate
 from refdof.tile_sampler import Spend
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PAPER", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "fetch_units", "render"]
-
-CITATION = "haeberli1990"
-SOURCE = "Haeberli and Akeley 1990; Cook, Porter and Carpenter 1984"
-RECONSTRUCTION = False
-INPUTS = ("triangles",)
-PROMISES = ("constant", "pinhole", "focus", "convexity", "energy", "symmetry", "occlusion")
-
-PAPER: dict[str, object] = {
-    "shared_pattern": True,  # [1]: every view is one point of the lens for the whole picture
-}
+__all__ = ["METHOD", "Params", "render", "texture_reads"]
 
 
 @dataclass(frozen=True)
@@ -64,12 +55,27 @@ class Params:
         object.__setattr__(self, "seed", as_integer("seed", self.seed, minimum=0, maximum=2**32 - 1))
 
 
+def texture_reads(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: none, it traces rays."""
+    return 0.0
+
+
+METHOD = Method(
+    citation="haeberli1990",
+    source="Haeberli and Akeley 1990; Cook, Porter and Carpenter 1984",
+    kind="reference views",
+    inputs=("triangles",),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity", "energy", "symmetry", "occlusion"),
+    texture_reads=texture_reads,
+    known_defects=("With few samples its error is noise, or ghost edges where all pixels share one pattern.",),
+    paper={
+        "shared_pattern": True,  # [1]: every view is one point of the lens for the whole picture
+    },
+)
+
+
 def render(view: View, params: Params, trace: Trace) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     spend = Spend(params.samples, None, params.samples)
     return estimate(view, 1, params.seed, spend, shared_pattern=params.shared_pattern).image
-
-
-def fetch_units(params: Params, width: int, height: int) -> float:
-    """Texture reads per pixel: none, it traces rays."""
-    return 0.0

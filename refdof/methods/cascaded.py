@@ -59,6 +59,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
 from refdof.camera import Camera
 from refdof.lens import ThinLens
+from refdof.method_record import Method
 from refdof.methods._cascaded_blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
 from refdof.methods._cascaded_layers import Layering, cluster_layers, filter_layers, without_foremost
 from refdof.raster.gaussian import gaussian_blur
@@ -68,30 +69,8 @@ from refdof.raster.quick_blurs import box_blur, pyramid_blur
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur_buffers",
-    "layering_of",
-    "render",
-]
+__all__ = ["METHOD", "Params", "blur_buffers", "layering_of", "render"]
 
-CITATION = "schedl2012"
-SOURCE = "Schedl, Wimmer 2012"
-RECONSTRUCTION = False
-INPUTS = ("peeled layers",)
-PROMISES = ("constant", "pinhole", "convexity", "symmetry", "occlusion")
-
-PAPER: dict[str, object] = {
-    "ramp": "as_printed",  # Eq. (4), which climbs where figure 4(a) falls
-    "boundary": "as_printed",  # section 3.2.1: z_0, too, is at -inf
-}
-"""Where the letter of [1] differs from the defaults of `Params`, which are what it means."""
 
 _FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
 _RANGE_BLOCK_PX = 16
@@ -146,6 +125,27 @@ class Params:
         for name in ("cascade", "normalize"):
             as_bool(name, getattr(self, name))
         object.__setattr__(self, "sigma_step", as_number("sigma_step", self.sigma_step, minimum=0.5, maximum=65536.0))
+
+
+METHOD = Method(
+    citation="schedl2012",
+    source="Schedl, Wimmer 2012",
+    kind="layers",
+    inputs=("peeled layers",),
+    params=Params,
+    promises=("constant", "pinhole", "convexity", "symmetry", "occlusion"),
+    texture_reads=None,
+    known_defects=(
+        "What is in focus lies under a slightly blurred copy of itself wherever anything is in front of it.",
+        "Energy is not kept: the matting shows every surface in two layers.",
+        "Blur is Gaussian, whatever the shape of the aperture.",
+        "Surfaces behind the last buffer are missing.",
+    ),
+    paper={
+        "ramp": "as_printed",  # Eq. (4), which climbs where figure 4(a) falls
+        "boundary": "as_printed",  # section 3.2.1: z_0, too, is at -inf
+    },
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:

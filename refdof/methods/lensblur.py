@@ -42,6 +42,7 @@ import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.lens_pattern import JITTERS, lens_pattern
+from refdof.method_record import Method
 from refdof.raster.attributes import attributes_of
 from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
 from refdof.raster.peel import Layers
@@ -49,13 +50,8 @@ from refdof.sampling import PATTERNS
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = ["CITATION", "INPUTS", "PAPER", "PROMISES", "RECONSTRUCTION", "SOURCE", "Params", "render"]
+__all__ = ["METHOD", "Params", "render"]
 
-CITATION = "lee2010"
-SOURCE = "Lee, Eisemann, Seidel 2010"
-RECONSTRUCTION = False
-INPUTS = ("triangles",)
-PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion")
 
 PEELS = {"plain": 0, "umbra": 1, "extended": 2}  # extent of the blocker [px]
 FOOTPRINTS = {"closed": 0, "rays": 1, "quarter": 4}  # every how many rays are bounded; 0: none
@@ -63,10 +59,6 @@ FILTERS = ("nearest", "linear")
 _BLOCK = 2  # px, [1]: a quarter of the pixels
 _FALL = 0.25  # px of parallax by which a dropped surface may be farther in the texel before; 0 leaves pinholes
 _LARGEST = 1e30  # px of parallax: beyond it products leave float32
-
-PAPER: dict[str, object] = {
-    "filter": "nearest",  # Section 3.1: of the intersection found, "the corresponding color is retrieved"
-}
 
 
 @dataclass(frozen=True)
@@ -126,6 +118,25 @@ class Params:
         ):
             as_choice(name, getattr(self, name), allowed)
         as_bool("deferred", self.deferred)
+
+
+METHOD = Method(
+    citation="lee2010",
+    source="Lee, Eisemann, Seidel 2010",
+    kind="layers",
+    inputs=("triangles",),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion"),
+    texture_reads=None,
+    known_defects=(
+        "Energy is not kept: rays that leave the picture do not count, and the others weigh more.",
+        "Silhouettes near a surface behind them are extended.",
+        "Places are float32: with a very wide lens what is in focus is not sharp.",
+    ),
+    paper={
+        "filter": "nearest",  # Section 3.1: of the intersection found, "the corresponding color is retrieved"
+    },
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:

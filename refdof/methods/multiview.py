@@ -63,6 +63,7 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
 from refdof.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
+from refdof.method_record import Method
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods._multiview_trace import culled_layers, gather, trace_hits
 from refdof.raster.attributes import ATTRIBUTES, attributes_of
@@ -74,29 +75,10 @@ from refdof.trace import Trace
 from refdof.view import View
 
 __all__ = [
-    "CITATION",
-    "CONES",
-    "INPUTS",
-    "LEAST_SPACING",
-    "OFFSCREEN",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SEARCHES",
-    "SOURCE",
-    "SPACING",
-    "SPACING_HEIGHT",
-    "STARTS",
-    "Params",
-    "cone_width",
-    "render",
-]
+    "CONES", "LEAST_SPACING", "METHOD", "OFFSCREEN", "SEARCHES", "SPACING", "SPACING_HEIGHT", "STARTS", "Params",
+    "cone_width", "render",
+]  # fmt: skip
 
-CITATION = "lee2009multiview"
-SOURCE = "Lee, Eisemann, Seidel 2009"
-RECONSTRUCTION = False
-INPUTS = ("triangles",)
-PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion")
 
 SEARCHES = ("false position", "march")
 STARTS = ("ends", "middle")
@@ -105,13 +87,6 @@ CONES = ("none", "paper", "text")
 
 SPACING, SPACING_HEIGHT = 3.0, 600  # Section 4.1: delta of 3 px at 800 x 600
 LEAST_SPACING = 1.0  # px: walls reach as far
-PAPER: dict[str, object] = {
-    "search": "false position",  # Section 4.3, Ray Traversal
-    "wall_px": math.inf,  # Section 4.3: "if d < d^, there is a surface intersection before reaching I"
-    "offscreen": "discard",  # Section 4.3: "discard all rays that leave the frustum"
-    "jitter": "noise",  # Section 4.5, its last paragraph
-    "pattern": "poisson",  # Section 4.3: "a Poisson disk sampling leads to an ideal distribution"
-}
 
 
 @dataclass(frozen=True)
@@ -202,6 +177,28 @@ class Params:
         as_choice("pattern", self.pattern, PATTERNS)
         as_choice("cones", self.cones, CONES)
         settle("seed", as_integer("seed", self.seed, minimum=0))
+
+
+METHOD = Method(
+    citation="lee2009multiview",
+    source="Lee, Eisemann, Seidel 2009",
+    kind="layers",
+    inputs=("triangles",),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion"),
+    texture_reads=None,
+    known_defects=(
+        "Energy is not kept: rays that leave the picture see its border.",
+        "A layer keeps no surface behind its nearest one; what goes on there is guessed.",
+    ),
+    paper={
+        "search": "false position",  # Section 4.3, Ray Traversal
+        "wall_px": math.inf,  # Section 4.3: "if d < d^, there is a surface intersection before reaching I"
+        "offscreen": "discard",  # Section 4.3: "discard all rays that leave the frustum"
+        "jitter": "noise",  # Section 4.5, its last paragraph
+        "pattern": "poisson",  # Section 4.3: "a Poisson disk sampling leads to an ideal distribution"
+    },
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:

@@ -34,30 +34,15 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._vectors import blend_texels
+from refdof.method_record import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.magnify import texels_around
 from refdof.raster.mipmap import box_mipmaps
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur",
-    "fetch_units",
-    "render",
-]
+__all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
-CITATION = "scheuermann2004"
-SOURCE = "after Scheuermann 2004"
-RECONSTRUCTION = True
-INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "focus", "convexity")
 
 TAPS = np.array(  # [1], unit disc, y down
     [
@@ -77,7 +62,6 @@ TAPS = np.array(  # [1], unit disc, y down
 )
 _SMALL = 4  # [1]: the small picture's texels are this many pixels wide
 _SMALL_RADIUS = 0.4  # [1]: radius in its texels, of the radius in pixels
-PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)
@@ -98,6 +82,27 @@ class Params:
     def __post_init__(self) -> None:
         as_choice("code", self.code, ("linear", "thin_lens"))
         object.__setattr__(self, "max_radius", as_number("max_radius", self.max_radius, above=0.0, maximum=65536.0))
+
+
+def texture_reads(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: twelve taps in two textures, and nine for each of the small one's texels."""
+    return _units(max(1, width // _SMALL) * max(1, height // _SMALL) / (width * height))
+
+
+METHOD = Method(
+    citation="scheuermann2004",
+    source="after Scheuermann 2004",
+    kind="single image",
+    inputs=("pinhole colour", "pinhole depth"),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity"),
+    texture_reads=texture_reads,
+    known_defects=(
+        "Blur grows linearly with depth up to a fixed radius, not as the circle of confusion does.",
+        "The mirrored scene does not give the mirrored picture: the twelve taps are not symmetric.",
+    ),
+    reconstruction=True,
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -130,11 +135,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         above 0.
     """
     return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
-
-
-def fetch_units(params: Params, width: int, height: int) -> float:
-    """Texture reads per pixel: twelve taps in two textures, and nine for each of the small one's texels."""
-    return _units(max(1, width // _SMALL) * max(1, height // _SMALL) / (width * height))
 
 
 def _units(small: float) -> float:

@@ -40,34 +40,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
-from refdof.fetches import LARGEST_RADIUS
+from refdof.method_record import LARGEST_RADIUS, Method
 from refdof.methods._images import as_images, within
 from refdof.raster.pyramid import blurred, filled, level_count
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur",
-    "fetch_units",
-    "render",
-]
+__all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
-CITATION = "kraus2007"
-SOURCE = "after Kraus, Strengert 2007"
-RECONSTRUCTION = True
-INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "focus", "convexity")
 
 _FILL_DOWN, _FILL_UP, _BLUR_DOWN, _BLUR_UP = 4, 5, 16, 4  # reads per texel: [2], table 1
 _CULL, _MATTE, _LAY = 1, 1, 1  # reads per pixel and sub-image: [2], table 1
-PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)
@@ -84,6 +67,29 @@ class Params:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "largest_side", as_integer("largest_side", self.largest_side, minimum=1, maximum=16))
+
+
+def texture_reads(params: Params, width: int, height: int, largest: float = LARGEST_RADIUS) -> float:
+    """Texture reads per pixel, for circles of up to `largest` [px] on both sides of the focal plane."""
+    side = _side(largest, params)
+    fills = _shares(width, height, level_count(width, height))
+    return math.fsum(_units(fills, _shares(width, height, abs(i))) for i in range(-side, side + 1))
+
+
+METHOD = Method(
+    citation="kraus2007",
+    source="after Kraus, Strengert 2007",
+    kind="single image",
+    inputs=("pinhole colour", "pinhole depth"),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity"),
+    texture_reads=texture_reads,
+    known_defects=(
+        "Away from focus every colour is repeated in two sub-images.",
+        "The mirrored scene gives the mirrored picture only where sides are powers of two.",
+    ),
+    reconstruction=True,
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -117,13 +123,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)
     return _blur(color, coc, params, Trace())
-
-
-def fetch_units(params: Params, width: int, height: int, largest: float = LARGEST_RADIUS) -> float:
-    """Texture reads per pixel, for circles of up to `largest` [px] on both sides of the focal plane."""
-    side = _side(largest, params)
-    fills = _shares(width, height, level_count(width, height))
-    return math.fsum(_units(fills, _shares(width, height, abs(i))) for i in range(-side, side + 1))
 
 
 def _units(fill: Sequence[float], soften: Sequence[float]) -> float:

@@ -30,32 +30,16 @@ import numpy as np
 
 from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
+from refdof.method_record import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.disc import LARGEST_DISC, covered, inner_count, outer_count
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur",
-    "fetch_units",
-    "render",
-]
+__all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
-CITATION = "potmesil1981"
-SOURCE = "after Potmesil, Chakravarty 1981"
-RECONSTRUCTION = True
-INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
 
 _BAND = 64  # rows
-PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)
@@ -72,6 +56,24 @@ class Params:
 
     def __post_init__(self) -> None:
         as_choice("order", self.order, ("none", "far_to_near"))
+
+
+def texture_reads(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: each is read once. What costs are the writes, pi r^2 of them."""
+    return 1.0
+
+
+METHOD = Method(
+    citation="potmesil1981",
+    source="after Potmesil, Chakravarty 1981",
+    kind="single image",
+    inputs=("pinhole colour", "pinhole depth"),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
+    texture_reads=texture_reads,
+    known_defects=("There is no order in depth: what lies behind spreads over what is in front of it.",),
+    reconstruction=True,
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -108,11 +110,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Costs O(H W r^2) for circles of radius r. Energy is kept where all circles are alike, away from the border.
     """
     return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
-
-
-def fetch_units(params: Params, width: int, height: int) -> float:
-    """Texture reads per pixel: each is read once. What costs are the writes, pi r^2 of them."""
-    return 1.0
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:

@@ -31,32 +31,15 @@ import numpy as np
 
 from refdof._check import Float, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.fetches import MEAN_RADIUS
+from refdof.method_record import MEAN_RADIUS, Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur",
-    "fetch_units",
-    "render",
-]
+__all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
-CITATION = "zhou2007"
-SOURCE = "after Zhou, Chen, Pullen 2007"
-RECONSTRUCTION = True
-INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "focus", "convexity", "symmetry")
 
 _LARGEST = 65536.0  # px: pi r^2 stays far from the ends of float32
-PAPER: dict[str, object] = {}  # a reconstruction
 
 
 @dataclass(frozen=True)
@@ -73,6 +56,24 @@ class Params:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "leakage", as_number("leakage", self.leakage, minimum=0.0, maximum=1e6))
+
+
+def texture_reads(params: Params, width: int, height: int, mean: float = MEAN_RADIUS) -> float:
+    """Texture reads per pixel, for a mean radius of `mean` [px], each rounded up: one across, two down at every tap."""
+    return (1 + 2) * (2.0 * mean + 1.0)
+
+
+METHOD = Method(
+    citation="zhou2007",
+    source="after Zhou, Chen, Pullen 2007",
+    kind="single image",
+    inputs=("pinhole colour", "pinhole depth"),
+    params=Params,
+    promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
+    texture_reads=texture_reads,
+    known_defects=("The filter is not separable: what it does along x before y leaves traces.",),
+    reconstruction=True,
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -109,11 +110,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     Costs two passes of as many taps as the largest circle of each row is wide.
     """
     return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
-
-
-def fetch_units(params: Params, width: int, height: int, mean: float = MEAN_RADIUS) -> float:
-    """Texture reads per pixel, for a mean radius of `mean` [px], each rounded up: one across, two down at every tap."""
-    return (1 + 2) * (2.0 * mean + 1.0)
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:

@@ -34,38 +34,20 @@ import numpy as np
 
 from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
+from refdof.method_record import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.planar import pad_planes, tap_of
 from refdof.trace import Trace
 from refdof.view import View
 
-__all__ = [
-    "CITATION",
-    "INPUTS",
-    "MAX_BLUR_SIZE",
-    "PAPER",
-    "PROMISES",
-    "RECONSTRUCTION",
-    "SOURCE",
-    "Params",
-    "blur",
-    "fetch_units",
-    "render",
-    "spiral",
-]
+__all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
 
-CITATION = "gustafsson2018"
-SOURCE = "Gustafsson 2018"
-RECONSTRUCTION = False
-INPUTS = ("pinhole colour", "pinhole depth")
-PROMISES = ("constant", "pinhole", "convexity")
 
 GOLDEN_ANGLE = 2.39996323  # [1], listing
 MAX_BLUR_SIZE = 20.0  # px, [1], listing
 RAD_SCALE = 0.5  # [1], listing: smaller is nicer, larger is faster
 _BEHIND = 2.0  # [1], listing: a tap from behind counts up to this many times the centre's size
 _MARGIN = int(MAX_BLUR_SIZE) + 2  # texels that a tap can reach beyond the border
-PAPER: dict[str, object] = {}  # the listing leaves texture filters to the host, and nothing else is a parameter
 
 
 @dataclass(frozen=True)
@@ -82,6 +64,28 @@ class Params:
 
     def __post_init__(self) -> None:
         as_choice("depth_filter", self.depth_filter, ("nearest", "bilinear"))
+
+
+def texture_reads(params: Params, width: int, height: int) -> float:
+    """Texture reads per pixel: colour and depth at every tap."""
+    return 2.0 * len(spiral())
+
+
+METHOD = Method(
+    citation="gustafsson2018",
+    source="Gustafsson 2018",
+    kind="single image",
+    inputs=("pinhole colour", "pinhole depth"),
+    params=Params,
+    promises=("constant", "pinhole", "convexity"),
+    texture_reads=texture_reads,
+    known_defects=(
+        "Energy is not kept: the mean runs along the spiral, so that the order of taps matters.",
+        "The mirrored scene does not give the mirrored picture: the spiral turns one way.",
+        "Circles of confusion are cut at 20 px.",
+    ),
+    paper={},  # the listing leaves texture filters to the host, and nothing else is a parameter
+)
 
 
 def render(view: View, params: Params, trace: Trace) -> Float:
@@ -139,11 +143,6 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         (taps[:, 2] - 0.5).astype(color.dtype),
         params.depth_filter == "bilinear",
     )
-
-
-def fetch_units(params: Params, width: int, height: int) -> float:
-    """Texture reads per pixel: colour and depth at every tap."""
-    return 2.0 * len(spiral())
 
 
 def spiral() -> Float:

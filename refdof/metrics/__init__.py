@@ -1,9 +1,11 @@
 """Metrics: how far an image is from its reference. The reference comes first, always.
 
-`rmse`, `rel_mse` and `max_abs` speak of linear values; `psnr`, `psnr_8bit`, `ssim` and `flip` of the display image
-(clipped to [0, 1], sRGB-encoded), which they make themselves from linear images.
+`METRICS` is the registry: columns of tables, fields of JSON and CSV and the footnote of a report follow from it, in its
+order. To add a metric, write its function and add one entry.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from refdof.metrics.perceptual import FLIP_PPD, flip
@@ -13,6 +15,8 @@ from refdof.noise_floor import noise_floor_psnr
 
 __all__ = [
     "FLIP_PPD",
+    "METRICS",
+    "Metric",
     "flip",
     "max_abs",
     "noise_floor_psnr",
@@ -25,19 +29,58 @@ __all__ = [
 ]
 
 
+@dataclass(frozen=True)
+class Metric:
+    """One metric; its name is its key in `METRICS`.
+
+    Attributes
+    ----------
+    title : heading of its column, without the unit
+    unit : "" where it has none
+    better : "high" or "low"
+    values : "display" (clipped to [0, 1], sRGB-encoded) or "linear"
+        What the function compares. It takes linear images in both cases and encodes them itself.
+    decimals : digits after the point in a table, enough to rank methods
+    note : what a reader must know beside the title; "" where it says all
+    function : (reference, image) -> float
+    """
+
+    title: str
+    unit: str
+    better: str
+    values: str
+    decimals: int
+    note: str
+    function: Callable[[Any, Any], float]
+
+    @property
+    def heading(self) -> str:
+        """Title and unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+
+METRICS: dict[str, Metric] = {
+    "psnr": Metric("PSNR", "dB", "high", "display", 2, "peak 1", psnr),
+    "psnr_8bit": Metric("8-bit PSNR", "dB", "high", "display", 2, "peak 255, both images rounded", psnr_8bit),
+    "ssim": Metric("SSIM", "", "high", "display", 4, "", ssim),
+    "flip": Metric("FLIP", "", "low", "display", 4, f"{FLIP_PPD} pixels per degree", flip),
+    "rmse": Metric("RMSE", "", "low", "linear", 5, "", rmse),
+    "rel_mse": Metric("relMSE", "", "low", "linear", 5, "mean of d^2 / (r^2 + 0.01)", rel_mse),
+    "max_abs": Metric("max", "", "low", "linear", 3, "largest absolute error", max_abs),
+}
+
+
 def scores(reference: Any, image: Any) -> dict[str, float]:
     """Every score of `image` against `reference`, both (H, W, 3) linear RGB of at least 11 x 11 pixels.
 
     Returns
     -------
     dict
-        "psnr" and, of pictures rounded to 8 bits, "psnr_8bit" [dB, inf if identical], "ssim" (1 is
-        best), "flip" (0 is best), "rmse", "rel_mse", "max_abs".
+        A number for every name in `METRICS`. PSNR [dB] of identical images is inf.
 
     Raises
     ------
     InputError
         If shapes differ, a value is not finite, or the image is smaller than SSIM's window.
     """
-    metrics = (psnr, psnr_8bit, ssim, flip, rmse, rel_mse, max_abs)
-    return {metric.__name__: metric(reference, image) for metric in metrics}
+    return {name: metric.function(reference, image) for name, metric in METRICS.items()}

@@ -212,8 +212,8 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
         if border < 0.0:
             return _MISS, 0, 0, border, 0
         if border < np.inf:
-            x = min(max(int(np.floor(ax + border * wx)), 0), width - 1)
-            y = min(max(int(np.floor(ay + border * wy)), 0), height - 1)
+            x = int(min(max(ax + border * wx, own(0.0)), own(width - 1)))
+            y = int(min(max(ay + border * wy, own(0.0)), own(height - 1)))
             if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
     layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0

@@ -128,7 +128,7 @@ def _start(a, w, near, size):
     The texel agrees with the crossings that the walk computes, so that a walk begun later passes the same texels.
     """
     own = type(a)
-    at = min(max(math.floor(a + near * w), 0), size - 1)
+    at = math.floor(min(max(a + near * w, own(0.0)), own(size - 1)))
     if abs(w) < own(1e-20):
         return at, 0, own(0.0)
     inverse = own(1.0) / w

@@ -21,7 +21,7 @@ from refdof.atomic import atomic_path
 from refdof.comparison import Comparison
 from refdof.display import display, display_slope
 from refdof.report.crops import Box, choose_crops
-from refdof.report.table import cells
+from refdof.report.table import texts
 
 __all__ = ["ERROR_SCALE", "write_overview"]
 
@@ -119,10 +119,11 @@ def _cells(comparison: Comparison) -> list[_Cell]:
     label = f"{ERROR_SCALE} {_TIMES} standard error"
     shown = [_Cell("reference", _floor(comparison), reference, label, _scaled(noise))]
     for row in comparison.rows:
-        psnr, _, ssim, flip = cells(row)[:4]
+        score = texts(row)
+        told = f"{score['psnr']} dB · {score['ssim']} · {score['flip']}"
         image = display(row.image)
         error = _scaled(np.abs(image - reference))
-        shown.append(_Cell(row.name, f"{psnr} dB · {ssim} · {flip}", image, f"{ERROR_SCALE} {_TIMES} |error|", error))
+        shown.append(_Cell(row.name, told, image, f"{ERROR_SCALE} {_TIMES} |error|", error))
     return shown
 
 

@@ -18,7 +18,7 @@ from refdof._check import Float
 from refdof.comparison import Comparison
 from refdof.image_file import png_bytes
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
-from refdof.report.table import COLUMNS, cells, footnote, reference_line
+from refdof.report.table import columns, footnote, reference_line, texts
 
 __all__ = ["FLOAT_LIMIT_PX", "index_page", "report_page"]
 
@@ -69,11 +69,11 @@ def _template(name: str) -> Any:
 def _table(comparison: Comparison) -> dict[str, Any]:
     """The table as text and as numbers to sort by."""
     return {
-        "columns": [title for _, title, _ in COLUMNS],
+        "columns": [column.heading for column in columns()],
         "rows": [
             {
                 "method": row.name,
-                "cells": cells(row),
+                "cells": list(texts(row).values()),
                 "note": "at the noise floor" if at_noise_floor(row, comparison) else "",
                 "params": ", ".join(f"{key} = {plain(value)}" for key, value in row.params.items()),
             }

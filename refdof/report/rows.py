@@ -13,11 +13,9 @@ import numpy as np
 
 from refdof.comparison import Comparison, Row
 from refdof.lens import ThinLens
-from refdof.metrics import FLIP_PPD
+from refdof.metrics import FLIP_PPD, METRICS
 
-__all__ = ["DISPLAY", "SCORES", "at_noise_floor", "command_of", "plain", "rows_as_json"]
-
-SCORES = ("psnr", "psnr_8bit", "ssim", "flip", "rmse", "rel_mse", "max_abs")
+__all__ = ["DISPLAY", "at_noise_floor", "command_of", "plain", "rows_as_json"]
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
@@ -50,7 +48,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
                 "method": row.method,
                 "preset": row.preset,
                 "params": plain(row.params),
-                **{name: plain(row.scores.get(name)) for name in SCORES},
+                **{name: plain(row.scores.get(name)) for name in METRICS},
                 "prepare_s": plain(row.prepare_s),
                 "blur_s": plain(row.blur_s),
                 "at_noise_floor": at_noise_floor(row, comparison),

@@ -5,34 +5,36 @@ import io
 import json
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from refdof.comparison import Comparison, Row
-from refdof.report.rows import DISPLAY, SCORES, at_noise_floor, plain
+from refdof.metrics import METRICS
+from refdof.report.rows import DISPLAY, at_noise_floor, plain
 
-__all__ = ["COLUMNS", "cells", "csv_table", "footnote", "markdown_table", "reference_line"]
+__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "reference_line", "texts"]
 
-# Key, heading, format: enough decimals to rank methods, no more.
-COLUMNS = (
-    ("psnr", "PSNR [dB]", "{:.2f}"),
-    ("psnr_8bit", "8-bit PSNR [dB]", "{:.2f}"),
-    ("ssim", "SSIM", "{:.4f}"),
-    ("flip", "FLIP", "{:.4f}"),
-    ("rmse", "RMSE", "{:.5f}"),
-    ("rel_mse", "relMSE", "{:.5f}"),
-    ("max_abs", "max", "{:.3f}"),
-    ("prepare_s", "prepare [s]", "{:.3f}"),
-    ("blur_s", "blur [s]", "{:.3f}"),
-)
+
+class Column(NamedTuple):
+    """A number of every row: its key in JSON and CSV, its heading, and its digits after the point in a table."""
+
+    key: str
+    heading: str
+    decimals: int
+
+
+def columns() -> list[Column]:
+    """Every metric, then the times."""
+    metrics = [Column(name, metric.heading, metric.decimals) for name, metric in METRICS.items()]
+    return [*metrics, Column("prepare_s", "prepare [s]", 3), Column("blur_s", "blur [s]", 3)]
 
 
 def markdown_table(comparisons: Sequence[Comparison]) -> str:
     """One aligned table for each scene, and beneath it what its scores rest on. Ends with a line feed."""
     blocks = []
     for comparison in comparisons:
-        head = ["method", *(title for _, title, _ in COLUMNS), "note"]
+        head = ["method", *(column.heading for column in columns()), "note"]
         body = [
-            [row.name, *cells(row), "at the noise floor" if at_noise_floor(row, comparison) else ""]
+            [row.name, *texts(row).values(), "at the noise floor" if at_noise_floor(row, comparison) else ""]
             for row in comparison.rows
         ]
         width, height = comparison.camera.size
@@ -42,13 +44,12 @@ def markdown_table(comparisons: Sequence[Comparison]) -> str:
     return "\n\n".join([*blocks, footnote()]) + "\n"
 
 
-def cells(row: Row) -> list[str]:
-    """The scores and times of one row as text, in the order of `COLUMNS`; "-" where there is none."""
-    texts = []
-    for key, _, form in COLUMNS:
-        value = row.scores.get(key, math.nan) if key in SCORES else getattr(row, key)
-        texts.append("-" if math.isnan(value) else form.format(value))
-    return texts
+def texts(row: Row) -> dict[str, str]:
+    """The scores and times of one row as text by key, in the order of `columns`; "-" where there is none."""
+    values = {column: _value(row, column.key) for column in columns()}
+    return {
+        c.key: "-" if value is None or math.isnan(value) else f"{value:.{c.decimals}f}" for c, value in values.items()
+    }
 
 
 def reference_line(comparison: Comparison) -> str:
@@ -62,27 +63,37 @@ def reference_line(comparison: Comparison) -> str:
 
 
 def footnote() -> str:
-    """What the columns mean."""
-    return (
-        f"PSNR, SSIM and FLIP are of the display image ({DISPLAY['tone_map']}): PSNR with peak "
-        f"{DISPLAY['peak']:g}, FLIP at {DISPLAY['flip_ppd']} pixels per degree. 8-bit PSNR, with peak 255, rounds both "
-        "images first, as papers do.\n"
-        "RMSE, relMSE = d^2 / (r^2 + 0.01) and the largest absolute error (max) are of linear values."
-    )
+    """What the columns mean: a line for metrics of the display image, and one for metrics of linear values."""
+    images = {"display": f"the display image, {DISPLAY['tone_map']}", "linear": "linear values"}
+    lines = []
+    for values, image in images.items():
+        told = [
+            f"{metric.title} ({', '.join(filter(None, (f'{metric.better}er is better', metric.note)))})"
+            for metric in METRICS.values()
+            if metric.values == values
+        ]
+        if told:
+            lines.append(f"Of {image}: {', '.join(told)}.")
+    return "\n".join(lines)
 
 
 def csv_table(comparisons: Sequence[Comparison]) -> str:
     """The same rows with every digit; one line for each scene and method, `params` as JSON."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["scene", "method", *(key for key, _, _ in COLUMNS), "at_noise_floor", "params", "preset"])
+    writer.writerow(["scene", "method", *(column.key for column in columns()), "at_noise_floor", "params", "preset"])
     for comparison in comparisons:
         for row in comparison.rows:
-            values: list[Any] = [row.scores.get(k) if k in SCORES else getattr(row, k) for k, _, _ in COLUMNS]
+            values = [_value(row, column.key) for column in columns()]
             noise = str(at_noise_floor(row, comparison)).lower()
             params = json.dumps(plain(row.params), allow_nan=False)
             writer.writerow([comparison.scene, row.method, *(plain(v) for v in values), noise, params, row.preset])
     return stream.getvalue()
+
+
+def _value(row: Row, key: str) -> Any:
+    """A score, None where there is none, or a time."""
+    return row.scores.get(key) if key in METRICS else {"prepare_s": row.prepare_s, "blur_s": row.blur_s}[key]
 
 
 def _aligned(head: list[str], body: list[list[str]]) -> str:

@@ -1,26 +1,29 @@
-"""Built-in scenes: nine procedural worlds, each made to show one phenomenon of depth of field."""
+"""Built-in scenes: procedural worlds, each made to show one phenomenon of depth of field.
+
+A scene is a module (or a folder) here with `NUMBERS` and `build(shot, rng)`, and data/scenes/NAME.toml, its shot. It is
+found by itself. Other modules are what scenes are made with. `make new-scene NAME=...` writes both files.
+"""
 
 from importlib import import_module
+from pkgutil import iter_modules
 
 import numpy as np
 
 from refdof._check import as_choice
 from refdof.scene import Scene
-from refdof.scenes.shot import Shot, read_shot
+from refdof.scenes.shot import Shot, read_shot, shot_places
 
 __all__ = ["SCENES", "built_in", "shot_of"]
 
-SCENES: tuple[str, ...] = (
-    "cans",
-    "atrium",
-    "fence",
-    "branches",
-    "lights",
-    "mirrors",
-    "foliage",
-    "town",
-    "figures",
-)
+
+def _found() -> tuple[str, ...]:
+    """Modules of this folder that have a file of their name in data/scenes, in the order that the files state."""
+    places = shot_places()
+    modules = {found.name for found in iter_modules(__path__)}
+    return tuple(sorted(modules & places.keys(), key=lambda name: (places[name], name)))
+
+
+SCENES: tuple[str, ...] = _found()
 
 
 def built_in(name: str) -> Scene:

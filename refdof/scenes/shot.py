@@ -1,13 +1,15 @@
 """Shots: the TOML files of the built-in scenes, read and checked.
 
 A file holds what is chosen rather than made: title, background, [light], [camera], [lens], the seed of
-the random numbers, and [numbers] for the scene's generator.
+the random numbers, and [numbers] for the scene's generator; and, if it matters, `order`, its place in lists.
 """
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,9 @@ from refdof.camera import Camera
 from refdof.lens import ThinLens
 from refdof.scene import Light
 
-__all__ = ["Shot", "parse_shot", "read_shot"]
+__all__ = ["LAST", "Shot", "parse_shot", "read_shot", "shot_places"]
+
+LAST = 1_000_000  # the place of scenes that name none: after all others, by name
 
 _TOP = ("title", "shows", "inspired_by", "seed", "background", "light", "camera", "lens", "numbers")
 _LIGHT = ("sun_direction", "sun", "sky", "ground")
@@ -35,6 +39,7 @@ class Shot:
     background : (3,) linear RGB
     light, camera, lens : the suggested shot
     numbers : what the generator is told, by name
+    order : its place in lists; `LAST` where the file names none
     """
 
     title: str
@@ -46,6 +51,7 @@ class Shot:
     camera: Camera
     lens: ThinLens
     numbers: dict[str, float]
+    order: int
 
 
 def read_shot(name: str, numbers: Iterable[str]) -> Shot:
@@ -57,11 +63,25 @@ def read_shot(name: str, numbers: Iterable[str]) -> Shot:
         If a key is missing, unknown, or has a bad value; the file and the key are named.
     """
     file = f"{name}.toml"
-    try:
-        text = resources.files("refdof.data.scenes").joinpath(file).read_text(encoding="utf-8")
-    except (ModuleNotFoundError, FileNotFoundError):  # a checkout that is not installed
-        text = (Path(__file__).parents[2] / "data" / "scenes" / file).read_text(encoding="utf-8")
-    return parse_shot(file, text, numbers)
+    return parse_shot(file, _folder().joinpath(file).read_text(encoding="utf-8"), numbers)
+
+
+def shot_places() -> dict[str, int]:
+    """The place in lists of every scene that has a file; a file that cannot be read is told of when it is asked for."""
+    places = {}
+    for file in _folder().iterdir():
+        if file.name.endswith(".toml"):
+            found = re.search(r"^order *= *([0-9]+) *$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            places[file.name.removesuffix(".toml")] = LAST if found is None else int(found[1])
+    return places
+
+
+def _folder() -> Traversable:
+    """The folder of the files: that of a checkout, if this is one, or the installed one."""
+    root = Path(__file__).parents[2]
+    if (root / "pyproject.toml").is_file():
+        return root / "data" / "scenes"
+    return resources.files("refdof.data.scenes")
 
 
 def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
@@ -70,7 +90,7 @@ def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: got {error}; allowed is a TOML file") from None
-    _keys(file, table, _TOP)
+    _keys(file, table, _TOP, ("order",))
     light, camera, lens = (_table(file, table, key) for key in ("light", "camera", "lens"))
     _keys(f"{file}: light", light, _LIGHT)
     _keys(f"{file}: camera", camera, _CAMERA)
@@ -88,6 +108,7 @@ def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
         return Shot(
             **words,
             seed=as_integer("seed", table["seed"], minimum=0),
+            order=as_integer("order", table.get("order", LAST), minimum=1, maximum=LAST),
             background=as_color("background", table["background"]),
             light=Light(**light),
             camera=Camera(**camera),
