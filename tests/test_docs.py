@@ -36,8 +36,9 @@ def test_every_method_has_a_page(extension, tmp_path):
         for heading in ("Steps", "Known defects", "Parameters", "Stages", "Promises", "References"):
             assert f"\n{heading}\n---" in page, (name, heading)
         for field in module.Params.__dataclass_fields__:
-            assert f"* - ``{field}``" in page, (name, field)
+            assert f"\n``{field}`` = ``" in page, (name, field)
         assert module.METHOD.source in page
+        assert "one of `" not in page  # the words themselves, not the name of a constant
 
 
 def test_listed_modules_import_and_none_of_raster_is_left_out(extension):

@@ -6,8 +6,10 @@
 Nothing on these pages is written by hand, so nothing on them can grow old.
 """
 
+import re
 import sys
 from dataclasses import fields
+from importlib import import_module
 from inspect import isclass, isroutine
 from pathlib import Path
 from types import ModuleType
@@ -144,25 +146,27 @@ def _registry(name: str, record: Any) -> dict[str, str]:
 
 
 def _parameters(module: ModuleType) -> list[str]:
-    """A table of every field of `Params`: default, the paper's value where it differs, meaning."""
+    """Every field of `Params`: default, the paper's value where it differs, meaning."""
     params, paper = module.METHOD.params(), module.METHOD.paper
     names = [field.name for field in fields(params)]
     if not names:
         return ["None.", ""]
     told = {name: entry for entry in entries(type(params).__doc__ or "") for name in entry.names}
-    rows = []
+    lines = ["Each with its default, the preset ``best``. Where the preset ``paper`` differs, its value follows.", ""]
     for name in names:
         entry = told[name]
-        rows.append(
-            [
-                f"``{name}``",
-                f"``{getattr(params, name)!r}``",
-                f"``{paper[name]!r}``" if name in paper else "",
-                escape(f"{entry.kind}. {entry.text}".strip()),
-            ]
-        )
-    text = "The preset ``paper`` sets what the third column holds; all else is as in ``best``, the default preset."
-    return [text, "", *_list_table(["name", "default", "paper", "meaning"], rows, "20 15 15 50")]
+        value = f", paper: ``{paper[name]!r}``" if name in paper else ""
+        kind = re.sub(r"one of `([\w.]+)`", lambda found: _choices(found[1], _source(module)), entry.kind)
+        text = f"{kind}. {entry.text}".strip()
+        lines += [f"``{name}`` = ``{getattr(params, name)!r}``{value}", f"   {escape(text)}", ""]
+    return lines
+
+
+def _choices(name: str, module: ModuleType) -> str:
+    """The words that a parameter may have, from the constant `name` of the method's or another module."""
+    where, _, constant = name.rpartition(".")
+    words = getattr(import_module(where) if where else module, constant)
+    return "one of " + ", ".join(f'"{word}"' for word in words)
 
 
 def _promises(record: Any) -> list[str]:
@@ -197,17 +201,18 @@ def _doors(name: str, module: ModuleType) -> list[str]:
 
 def _table(shown: dict[str, Shown], floor: float) -> str:
     """All methods, as an RST table to be included."""
+    head = ["method", "source", "kind", *(["PSNR [dB]", "FLIP"] if shown else [])]
     rows = []
     for name, module in refdof.METHODS.items():
         record = module.METHOD
-        scores = [f"{shown[name].psnr:.2f}", f"{shown[name].flip:.4f}"] if name in shown else ["", ""]
+        scores = [f"{shown[name].psnr:.2f}", f"{shown[name].flip:.4f}"] if shown else []
         source = record.source + " (reconstruction)" * record.reconstruction
         rows.append([f":doc:`{name} </methods/{name}>`", source, record.kind, *scores])
     text = (
         f"Scores: the scene ``{SCENE}`` at {SIZE[0]} x {SIZE[1]} px, default parameters, against a reference with "
         f"{SAMPLES} samples per pixel and a noise floor of {floor:.2f} dB."
     )
-    return "\n".join([*_list_table(["method", "source", "kind", "PSNR [dB]", "FLIP"], rows), text, ""])
+    return "\n".join([*_list_table(head, rows), *([text] if shown else []), ""])
 
 
 def _section(heading: str) -> list[str]:
