@@ -3,8 +3,10 @@
 from importlib import import_module
 from inspect import isclass, isroutine
 from pathlib import Path
+from pkgutil import walk_packages
 
 import refdof
+from extension import method_pages
 from extension.docstrings import escape, first_sentence
 
 __all__ = ["groups", "modules", "write"]
@@ -20,9 +22,20 @@ def groups() -> dict[str, list[str]]:
         if line.startswith("# "):
             heading = line[2:].strip()
             found[heading] = []
+        elif line.endswith(".*"):
+            for name in _public(line[:-2]):
+                folder = name.removeprefix(line[:-1]).rpartition(".")[0]
+                found.setdefault(f"{heading}: {folder}" if folder else heading, []).append(name)
         elif line.strip():
             found[heading].append(line.strip())
-    return found
+    return {heading: names for heading, names in found.items() if names}
+
+
+def _public(package: str) -> list[str]:
+    """The public modules under a package, without packages and without what has a page among the methods."""
+    below = walk_packages(import_module(package).__path__, f"{package}.")
+    names = [found.name for found in below if not found.ispkg and "._" not in found.name]
+    return [name for name in names if name not in method_pages.modules()]
 
 
 def modules() -> list[str]:
