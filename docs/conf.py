@@ -22,7 +22,15 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "extension",
 ]
-exclude_patterns = ["gallery", "extension", "**/*.inc", "**/*.py", "**/*.ipynb", "**/*.json"]
+exclude_patterns = [
+    "gallery",
+    "extension",
+    "**/sg_execution_times.rst",
+    "**/*.inc",
+    "**/*.py",
+    "**/*.ipynb",
+    "**/*.json",
+]
 default_role = "py:obj"  # docstrings name code in single backquotes
 suppress_warnings = [
     "ref.footnote",  # numpydoc's references are cited as [1], without the underscore of reStructuredText
