@@ -1,7 +1,9 @@
 # refdof: every task sets up .venv by itself; it needs git, make and Python 3.11 or newer.
 PYTHON ?= python3
 BIN := .venv/bin
-PYTEST := $(BIN)/python -m pytest
+# A worker per core, two threads each: several tests compare one thread with two. Files stay whole, so that a file's
+# shared references are rendered once.
+PYTEST := NUMBA_NUM_THREADS=2 $(BIN)/python -m pytest -n auto --dist loadfile
 
 .DEFAULT_GOAL := help
 
@@ -26,9 +28,17 @@ lint: .venv/test  ## style, types and import layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-readme: .venv/run  ## make the README's picture anew
+wheel: .venv/run  ## build the wheel and the source archive and try both outside the repository
+	.ci/wheel
+
+readme: .venv/run  ## make the README's picture and table anew
 	$(BIN)/refdof compare fence --out out/readme
 	cp out/readme/overview.png docs/overview.png
+	$(BIN)/python .ci/readme_table.py out/readme/table.md
+
+docs: .venv/docs  ## the documentation, into build/docs/index.html
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --builder html docs build/docs
+	$(BIN)/python docs/check_offline.py build/docs
 
 new-method:  ## write the skeleton of a method: make new-method NAME=my_method
 	@$(PYTHON) scaffold/new.py method '$(NAME)'
@@ -37,7 +47,7 @@ new-scene:  ## write the skeleton of a scene: make new-scene NAME=my_scene
 	@$(PYTHON) scaffold/new.py scene '$(NAME)'
 
 clean:  ## remove the virtual environment and what was built
-	rm -rf .venv build *.egg-info out
+	rm -rf .venv build *.egg-info out docs/api docs/examples docs/methods
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
@@ -54,6 +64,10 @@ clean:  ## remove the virtual environment and what was built
 	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[peers]'
 	touch $@
 
+.venv/docs: .venv/run
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint readme new-method new-scene clean peers
+.PHONY: help compare test fast bounds lint docs wheel readme new-method new-scene clean peers

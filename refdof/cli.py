@@ -44,29 +44,39 @@ _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command
 
 app = typer.Typer(
     name="refdof",
-    help="Reference implementation of depth-of-field rendering: exact layers, references with error bars, "
-    "published methods pixel for pixel.",
+    help="Reference implementation of depth-of-field rendering: references with error bars, exact layers, "
+    "and published methods pixel for pixel.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 
-Size = Annotated[str | None, typer.Option("--size", metavar="WxH", help="Picture size [px]; default: the scene's.")]
-Radius = Annotated[float | None, typer.Option("--lens-radius", help="Lens radius [scene units].")]
-Focus = Annotated[float | None, typer.Option("--focus", help="Focus distance [scene units]; inf is allowed.")]
-Seed = Annotated[int, typer.Option("--seed", help="Seed of the reference.")]
+Size = Annotated[
+    str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
+]
+Radius = Annotated[float | None, typer.Option("--lens-radius", help="Lens radius in scene units.")]
+Focus = Annotated[float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf.")]
+Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
-Tolerance = Annotated[float | None, typer.Option("--tolerance", help="Standard error to reach instead of --samples.")]
-Most = Annotated[int, typer.Option("--max-samples", help="Samples at which a pixel stops above --tolerance.")]
-Threads = Annotated[int | None, typer.Option("--threads", help="Threads; the result does not depend on them.")]
+Tolerance = Annotated[
+    float | None,
+    typer.Option("--tolerance", help="Sample each pixel until its standard error is this small; replaces --samples."),
+]
+Most = Annotated[int, typer.Option("--max-samples", help="With --tolerance: stop a pixel after this many samples.")]
+Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-Preset = Annotated[str, typer.Option("--preset", help="Parameters not set: best, as measured, or paper, as written.")]
-Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A parameter; repeatable.")]
+_PRESETS = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
+Preset = Annotated[str, typer.Option("--preset", metavar="best|paper", help=_PRESETS)]
+Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter; repeatable.")]
+MethodSettings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
+]
 
 
 @app.command()
 def scenes(as_json: AsJson = False) -> None:
-    """List the built-in scenes and what each shows."""
+    """List the built-in scenes and what each one shows."""
     shots = {name: shot_of(name) for name in SCENES}
     rows = [{"scene": n, "title": s.title, "shows": s.shows, "inspired_by": s.inspired_by} for n, s in shots.items()]
     if as_json:
@@ -77,7 +87,10 @@ def scenes(as_json: AsJson = False) -> None:
 
 @app.command()
 def methods(as_json: AsJson = False) -> None:
-    """List the methods: source, inputs, texture reads at the default scene's size, parameters, and the paper's."""
+    """List the methods: source, inputs, texture reads per pixel, parameters, and those that the paper sets differently.
+
+    Texture reads are counted for the image size of the default scene.
+    """
     rows, texts = [], []
     size = shot_of(DEFAULT_SCENE).camera.size
     for name, module in METHODS.items():
@@ -103,16 +116,16 @@ def methods(as_json: AsJson = False) -> None:
 
 @app.command()
 def render(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="A built-in scene or a mesh file.")],
-    method: Annotated[str, typer.Option("--method", help="A name that `refdof methods` lists.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="out.png (display), out.exr or out.npy (linear).")],
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    method: Annotated[str, typer.Option("--method", help="Method name, see `refdof methods`.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Output file: .png (display), .exr or .npy (linear).")],
     settings: Settings = None,
     preset: Preset = "best",
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
-    seed: Annotated[int | None, typer.Option("--seed", help="The method's parameter `seed`.")] = None,
-    samples: Annotated[int | None, typer.Option("--samples", help="The method's parameter `samples`.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
+    samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -136,18 +149,17 @@ def render(
 
 @app.command()
 def compare(
-    scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE ...]", help="Built-in scenes or files.")] = None,
-    methods: Annotated[str | None, typer.Option("--methods", metavar="A,B,C", help="Default: all.")] = None,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for table, pictures and report.")] = Path(
-        "out"
-    ),
-    settings: Settings = None,
-    preset: Annotated[
-        str,
-        typer.Option(
-            "--preset", metavar="best|paper|best,paper", help="Parameters not set: as measured, or as written."
-        ),
-    ] = "best",
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE ...]", help="Built-in scenes or mesh files.")
+    ] = None,
+    methods: Annotated[
+        str | None, typer.Option("--methods", metavar="A,B,C", help="Methods to compare. Default: all.")
+    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Output folder for table, images and report.")
+    ] = Path("out"),
+    settings: MethodSettings = None,
+    preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=_PRESETS)] = "best",
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
@@ -158,7 +170,7 @@ def compare(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare methods with the reference: table, pictures and a report. A parameter is set with method.key=value."""
+    """Compare methods with a reference: writes a table, images and a report, and prints the table."""
     _use_threads(threads)
     check_folder(out)
     names = methods.split(",") if methods is not None else list(METHODS)

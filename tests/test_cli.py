@@ -6,9 +6,10 @@ import sys
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from refdof import METHODS, SCENES
-from refdof.cli import main
+from refdof.cli import app, main
 from refdof.image.file import load_image
 
 SMALL = ["--size", "48x36", "--samples", "64"]
@@ -86,6 +87,15 @@ def test_render_writes_the_kind_that_the_name_says(tmp_path, suffix):
     done = refdof("render", "branches", "--method", "singlepass", "--size", "20x15", "-o", f"a{suffix}", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert load_image(tmp_path / f"a{suffix}").shape == (15, 20, 3)
+
+
+def test_help_keeps_its_units():
+    """Rich reads [px] as markup and drops it."""
+    for command in ("render", "compare"):
+        text = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200"}).output
+        assert "Image size in pixels" in text
+        assert "Lens radius in scene units" in text
+        assert "Focus distance in scene units" in text
 
 
 def test_bad_input_from_a_shell():

@@ -55,10 +55,10 @@ def test_the_skeletons_pass_the_contract_tests(tree):
         assert test in done.stdout
 
 
-def test_the_readme_names_every_file_that_is_written(tree):
-    step = (ROOT / "README.md").read_text().split("### Add a method in five steps")[1].split("\n## ")[0]
+def test_the_guide_names_every_file_that_is_written(tree):
+    guide = (ROOT / "CONTRIBUTING.md").read_text()
     for kind, name in (("method", "sketch"), ("scene", "sketched")):
-        paths = re.findall(rf"`(\S*my_{kind}\.\w+)`", step)
+        paths = re.findall(rf"`(\S*my_{kind}\.\w+)`", guide)
         assert len(paths) == (3 if kind == "method" else 2)
         for path in paths:
             text = (tree / path.replace(f"my_{kind}", name)).read_text()

@@ -35,7 +35,9 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
     try:
         final = Path(target).resolve()
         if final.exists() and not final.is_file():
-            raise InputError(f"{argument}: got {str(target)!r}, which is not a plain file; allowed is a path of a file")
+            raise InputError(
+                f"{argument}: got {str(target)!r}, which is not a regular file; allowed is the path of a file"
+            )
         temporary = final.parent / f".refdof-{secrets.token_hex(8)}{final.suffix}"
         final.parent.mkdir(parents=True, exist_ok=True)
         temporary.touch(exist_ok=False)  # fails here, before any work, if the folder is read-only

@@ -13,7 +13,8 @@ agree on the taps: at least four tables are in use, some of eight taps. The twel
 uses twelve. Ports with another table blur otherwise.
 
 - Planes of full blur are left to the scene's author: here they are the nearest and the farthest surface in the picture,
-  and the background is at full blur. The focal plane is where the line through the pixels of least and greatest circle
+  and the background is at full blur, however small their circles of confusion: worse than no blur on the scene `fence`,
+  and on `atrium` in small pictures. The focal plane is where the line through the pixels of least and greatest circle
   of confusion, over inverse depth, crosses 0.
 - `code="thin_lens"` takes the circle of confusion instead, for whoever wants to know what the rest of the method does.
 - Colour and code are not rounded to 8 bits, but the code is cut as an 8-bit channel cuts it.
@@ -99,6 +100,8 @@ METHOD = Method(
     texture_reads=texture_reads,
     known_defects=(
         "Blur grows linearly with depth up to a fixed radius, not as the circle of confusion does.",
+        "Worse than no blur on the scene `atrium`: in small pictures, up to 160x120, whose circles its 5 px exceed.",
+        "Worse than no blur on the scene `fence`: its nearest surface is blurred in full, whatever its circle.",
         "The mirrored scene does not give the mirrored picture: the twelve taps are not symmetric.",
     ),
     reconstruction=True,

@@ -51,7 +51,7 @@ class Aperture:
         )
         weights = as_float("weights", self.weights, (None, None), dtype=np.float64, minimum=0.0, maximum=1.0)
         if weights.size and not weights.any():
-            raise InputError("weights: got zeros only; allowed is an opening that lets light through")
+            raise InputError("weights: all are zero; at least one must be > 0")
         scale = as_float("scale", self.scale, (2,), dtype=np.float64, minimum=_LEAST_SCALE, maximum=_MOST_SCALE)
         deviation = as_number("deviation", self.deviation, above=0.0, finite=False)
         for name, value in zip(_FIELDS, (boundary, weights, tuple(scale.tolist()), deviation), strict=True):
@@ -115,7 +115,7 @@ class Aperture:
         y = 1.0 - (np.arange(height) + 0.5) / max(height, 1) * 2.0
         weights[x[None, :] ** 2 + y[:, None] ** 2 > 1.0] = 0.0
         if not weights.sum() > 0.0:
-            raise InputError("weights: no texel inside the lens disc lets light through; at least one must")
+            raise InputError("weights: all inside the lens disc are zero; at least one must be > 0")
         return cls(np.zeros((0, 2)), weights / weights.max(), _squeeze(ratio))
 
     @property

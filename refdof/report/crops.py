@@ -56,7 +56,8 @@ def _window_sums(values: Float, width: int, height: int) -> Float:
     """Sum over the window whose top left pixel is (y, x), for every place where it fits."""
     table = np.pad(values, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
     high, low = table[height:], table[:-height]
-    return high[:, width:] - high[:, :-width] - low[:, width:] + low[:, :-width]
+    sums: Float = high[:, width:] - high[:, :-width] - low[:, width:] + low[:, :-width]
+    return sums
 
 
 def _best(sums: Float) -> tuple[int, int] | None:

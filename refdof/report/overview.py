@@ -12,9 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 from refdof._check import Float
 from refdof.comparison import Comparison
@@ -182,7 +184,7 @@ def _draw_picture(figure: Figure, image: Float, crops: Sequence[Box], place: tup
         axes.add_patch(Rectangle(corner, crop.width, crop.height, fill=False, edgecolor=color, linewidth=1.4))
 
 
-def _axes(figure: Figure, place: tuple[int, int, int, int]):
+def _axes(figure: Figure, place: tuple[int, int, int, int]) -> Axes:
     """Bare axes at (left, top, width, height), all in whole pixels."""
     full_width, full_height = figure.get_size_inches() * _DPI
     x, y, width, height = place
@@ -193,7 +195,17 @@ def _axes(figure: Figure, place: tuple[int, int, int, int]):
     return axes
 
 
-def _text(figure: Figure, x: float, y: float, text: str, size: float, *, color=_INK, weight="normal", align="left"):
+def _text(
+    figure: Figure,
+    x: float,
+    y: float,
+    text: str,
+    size: float,
+    *,
+    color: str = _INK,
+    weight: str = "normal",
+    align: str = "left",
+) -> Text:
     """Text with its top left (or right) at pixel (x, y); `size` in pixels. A "$" is only a "$"."""
     full_width, full_height = figure.get_size_inches() * _DPI
     return figure.text(

@@ -37,7 +37,8 @@ def report_page(comparison: Comparison, command: str = "") -> str:
     if encoding == "float16":
         images.append(("standard error", comparison.standard_error))
     values = rows_as_json(comparison, command)
-    return _template("report.html").render(
+    return _rendered(
+        "report.html",
         values=values,
         table=_table(comparison),
         viewer={
@@ -56,14 +57,15 @@ def index_page(comparisons: Sequence[Comparison], folders: Sequence[str], comman
         {"name": c.scene, "folder": folder, "thumbnail": _png(_smaller(c.reference)), "table": _table(c)}
         for c, folder in zip(comparisons, folders, strict=True)
     ]
-    return _template("index.html").render(scenes=scenes, command=command)
+    return _rendered("index.html", scenes=scenes, command=command)
 
 
-def _template(name: str) -> Any:
+def _rendered(name: str, **values: Any) -> str:
     loader = FileSystemLoader(Path(__file__).parent)
-    return Environment(
+    templates = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    ).get_template(name)
+    )
+    return str(templates.get_template(name).render(values))
 
 
 def _table(comparison: Comparison) -> dict[str, Any]:

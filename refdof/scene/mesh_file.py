@@ -107,7 +107,7 @@ def _read(path: Path, shading: str) -> list[Part]:
         raise InputError("it is not a file" if path.exists() else "there is no such file")
     formats = sorted(trimesh.available_formats())
     if not any(path.name.lower().endswith(f".{known}") for known in formats):
-        raise InputError(f"its kind is none of {', '.join(formats)}")
+        raise InputError(f"its type is not one of {', '.join(formats)}")
     if path.stat().st_size == 0:
         raise InputError("it is empty")
     data = _tidied(path)

@@ -65,7 +65,9 @@ def layer_coordinate(depth: Float, bounds: Float, boundary: str = "extrapolate",
     """
     bounds = as_float("bounds", bounds, (None,), dtype=np.float64, finite=False)
     if len(bounds) < 2 or not np.isfinite(bounds[:-1]).all() or not (bounds[1:] >= bounds[:-1]).all():
-        raise InputError(f"bounds: got {bounds.tolist()}; allowed are two or more ascending depths, the last maybe inf")
+        raise InputError(
+            f"bounds: got {bounds.tolist()}; allowed are two or more ascending depths; the last may be inf"
+        )
     as_choice("boundary", boundary, BOUNDARIES)
     depth = as_float("depth", depth, shape_of("depth", depth), dtype=np.float64, finite=False, nan=True)
     if not isinstance(dtype, type) or dtype not in (np.float32, np.float64):

@@ -200,7 +200,7 @@ def blur_buffers(
     if not (filled > 0.0).all():
         raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
     if absent.all():
-        raise InputError("depth: no surface anywhere; allowed is at least one that is not NaN")
+        raise InputError("depth: has no surface, all values are NaN; at least one must be a depth")
     return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace)
 
 

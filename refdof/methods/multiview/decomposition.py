@@ -150,7 +150,7 @@ def layer_bounds(nearest: float, farthest: float, spacing: float, count: int | N
         if not wanted <= _MOST_LAYERS:
             raise InputError(
                 f"spacing_px: got {spacing:g} for circles of confusion of {nearest:g} .. {farthest:g} px, which makes "
-                f"{wanted:g} layers; allowed are at most {_MOST_LAYERS}: a wider spacing, or `layers`"
+                f"{wanted:g} layers; allowed are at most {_MOST_LAYERS}: use a wider spacing or set `layers`"
             )
         bounds = nearest + spacing * np.arange(max(1, math.ceil(wanted - _ROUNDING)) + 1)  # Eq. (4)
     else:
@@ -190,8 +190,8 @@ def _nothing(
     """No layers, unless that is the fault of `near` or `far`."""
     if near is not None or far is not None:
         raise InputError(
-            f"near, far: got {nearest:g} and {farthest:g}, and nothing is seen between; "
-            f"allowed is a range with surfaces"
+            f"near, far: got {nearest:g} and {farthest:g}, with no visible surface in between; "
+            f"allowed is a range that contains surfaces"
         )
     coc, triangle = (
         np.zeros((0, camera.height, camera.width), np.float32),
@@ -233,7 +233,7 @@ def _check_memory(count: int, camera: Camera, texel_bytes: int) -> None:
     if needed > _MOST_BYTES:
         raise InputError(
             f"spacing_px: got {count} layers of {camera.width}x{camera.height} px, about {needed / 2**30:.1f} GiB; "
-            f"allowed are {_MOST_BYTES / 2**30:g} GiB: a wider spacing, fewer `layers`, or a smaller picture"
+            f"allowed are {_MOST_BYTES / 2**30:g} GiB: use a wider spacing, fewer `layers` or a smaller image"
         )
 
 

@@ -146,7 +146,7 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
     if not made or any(shape != (len(nbuffer.lowest) or len(nbuffer.highest), *plane) for shape in made):
         shapes = f"{nbuffer.lowest.shape} and {nbuffer.highest.shape}"
         raise InputError(
-            f"nbuffer: got levels of shape {shapes}; allowed are as many of {plane} on both sides, or none"
+            f"nbuffer: got levels of shape {shapes}; each side must have the same number of shape {plane}, or none"
         )
     nbuffer = nbuffer._replace(
         lowest=np.ascontiguousarray(nbuffer.lowest), highest=np.ascontiguousarray(nbuffer.highest)

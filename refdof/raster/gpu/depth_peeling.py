@@ -46,7 +46,7 @@ def peel_raster(
         If count < 1 or umbra < 0, or as `rasterize`.
     """
     if "previous_depth" in options:
-        raise InputError("previous_depth: got a depth; peeling has its own, allowed is none")
+        raise InputError("previous_depth: got a depth; peeling sets it by itself, so it must not be given")
     most = np.inf if count is None else as_integer("count", count, minimum=1)
     umbra = as_number("umbra", umbra, minimum=0.0, finite=False)
     layers = [rasterize(vertices, faces, camera, **options)]

@@ -104,7 +104,7 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
         raise InputError(f"levels: got {type(levels).__name__}; allowed is a list of images")
     images = [as_texture(f"levels[{k}]", level, model) for k, level in enumerate(levels)]
     if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
-        raise InputError("levels: allowed is at least one image, all of one type and number of channels")
+        raise InputError("levels: allowed is a list of one or more images with the same type and number of channels")
     u, v, lod = _coordinates(model, u=u, v=v, lod=lod)
     shape, u, v, lod = u.shape, u.ravel(), v.ravel(), lod.ravel()
     whole_bytes = images[0].dtype == np.uint8 and model.integer_unorm8 and border is None

@@ -356,7 +356,7 @@ def test_bad_parameters_are_named(values, words):
         (np.full((1, 9, 11, 3), np.nan), flat(1.0), "color: has 297 NaN"),
         (np.zeros((1, 9, 11, 3)), flat(1.0, 12), "depth: got shape"),
         (np.zeros((1, 9, 11, 3)), flat(0.0), "depth: smallest value is 0"),
-        (np.zeros((1, 9, 11, 3)), flat(np.nan), "depth: no surface"),
+        (np.zeros((1, 9, 11, 3)), flat(np.nan), "depth: has no surface"),
     ],
 )
 def test_bad_buffers_are_named(color, depth, words):

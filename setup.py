@@ -1,0 +1,8 @@
+"""What pyproject.toml cannot say: every package below refdof/, and the folder data/ as `refdof.data`."""
+
+from setuptools import find_packages, setup
+
+setup(
+    packages=[*find_packages(include=["refdof", "refdof.*"]), "refdof.data", "refdof.data.scenes"],
+    package_dir={"refdof": "refdof", "refdof.data": "data", "refdof.data.scenes": "data/scenes"},
+)

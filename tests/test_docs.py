@@ -1,0 +1,116 @@
+"""The documentation speaks of what is there: pages of methods, listed modules, names and examples in the text."""
+
+import doctest
+import os
+import re
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import refdof
+
+ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+WITH_EXAMPLES = [page for page in PAGES if "\n```pycon\n>>>" in page.read_text()]
+
+pytestmark = pytest.mark.fast
+
+
+@pytest.fixture
+def extension(monkeypatch):
+    monkeypatch.syspath_prepend(DOCS)
+    return import_module("extension")
+
+
+def test_every_method_has_a_page(extension, tmp_path):
+    extension.method_pages.write(tmp_path, render=False)
+    table = (tmp_path / "methods" / "table.inc").read_text()
+    for name, module in refdof.METHODS.items():
+        page = (tmp_path / "methods" / f"{name}.rst").read_text()
+        assert f"</methods/{name}>" in table
+        for heading in ("Steps", "Known defects", "Parameters", "Stages", "Promises", "References"):
+            assert f"\n{heading}\n---" in page, (name, heading)
+        for field in module.Params.__dataclass_fields__:
+            assert f"\n``{field}`` = ``" in page, (name, field)
+        assert module.METHOD.source in page
+        assert "one of `" not in page  # the words themselves, not the name of a constant
+
+
+def test_listed_modules_import_and_none_of_raster_is_left_out(extension):
+    listed = extension.api_pages.modules()
+    assert len(set(listed)) == len(listed)
+    for name in listed:
+        assert import_module(name).__doc__, name
+    files = (ROOT / "refdof" / "raster").rglob("*.py")
+    stages = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in files if path.stem != "__init__"}
+    assert len(stages) > 10
+    assert stages <= set(listed)
+
+
+def test_public_names_have_a_page(extension, tmp_path):
+    extension.api_pages.write(tmp_path)
+    text = (tmp_path / "api" / "refdof.rst").read_text()
+    for name in refdof.__all__:
+        assert re.search(rf":: {name}\n|``refdof\.{name}``", text), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_names_in_the_text_exist(page):
+    for name in set(re.findall(r"(?<![\w/.])refdof(?:\.[A-Za-z_]\w*)+", page.read_text())):
+        value = refdof
+        for part in name.split(".")[1:]:
+            assert hasattr(value, part), name
+            value = getattr(value, part)
+            if isinstance(value, dict | tuple):
+                break
+
+
+@pytest.mark.parametrize("page", WITH_EXAMPLES, ids=lambda page: page.stem)
+def test_examples_give_what_they_say(page):
+    blocks = re.findall(r"```pycon\n(.*?)```", page.read_text(), flags=re.DOTALL)
+    test = doctest.DocTestParser().get_doctest("".join(blocks), {}, page.stem, str(page), 0)
+    said: list[str] = []
+    flags = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
+    result = doctest.DocTestRunner(optionflags=flags).run(test, out=said.append)
+    assert result.attempted > 0
+    assert result.failed == 0, "".join(said)
+
+
+def test_offline_check_finds_what_is_loaded_from_elsewhere(tmp_path):
+    import importlib.util
+
+    spec = importlib.util.spec_from_file_location("check_offline", DOCS / "check_offline.py")
+    check = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(check)
+    (tmp_path / "page.html").write_text(
+        '<a href="https://example.org">link</a><img src="here.png"><script src="https://example.org/a.js"></script>'
+        '<link rel="stylesheet" href="//example.org/b.css"><style>'
+        "body { background: url(https://example.org/c.png) }</style>"
+    )
+    (tmp_path / "style.css").write_text('@import "https://example.org/d.css"; a { background: url(e.png) }')
+    found = " ".join(check.remote_parts(tmp_path))
+    assert [letter for letter in "abcde" if f"/{letter}." in found] == ["a", "b", "c", "d"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="takes hours without compiling")
+def test_tutorial_runs(tmp_path):
+    """Every command of the tutorial, in order; the first Python block is the file that the text says to save."""
+    blocks = re.findall(r"```(python|bash)\n(.*?)```", (DOCS / "tutorial.md").read_text(), flags=re.DOTALL)
+    assert [kind for kind, _ in blocks].count("bash") >= 4
+    (tmp_path / "make_model.py").write_text(blocks[0][1])
+    python = ""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
+    for kind, text in blocks[1:]:
+        if kind == "bash":
+            subprocess.run(["bash", "-ec", text], cwd=tmp_path, env=environment, check=True, capture_output=True)
+        else:
+            python += text
+    subprocess.run([sys.executable, "-c", python], cwd=tmp_path, env=environment, check=True, capture_output=True)
+    for name in ("balls.glb", "look.png", "out/balls/report.html", "out/balls/overview.png", "out/cheaper/table.md"):
+        assert (tmp_path / name).stat().st_size > 0
