@@ -1,6 +1,7 @@
-"""How the suite runs: hypothesis profiles, and which files are quick enough to run without compiling."""
+"""How the suite runs: hypothesis profiles, and a cache folder for each worker."""
 
 import os
+from pathlib import Path
 
 from hypothesis import settings
 
