@@ -8,8 +8,8 @@ halton  every pixel takes `count` points in a row, from its own start, out of 2 
 
 The texture of noise and starts repeats every 64 pixels. With noise, the 16 ordered pairs of a texel's four numbers
 serve 1/16 of the points each, and a point moves by up to half the mean distance to its nearest neighbour along x and
-along y; [1] gives neither. A single point goes anywhere on the lens. A point that leaves the opening is mirrored at its
-rim, and one that comes to a darker texel of an image may stay where it was.
+along y; [1] gives neither. A single point goes anywhere on the lens. A point that leaves the aperture is mirrored at
+its rim, and one that comes to a darker texel of an image may stay where it was.
 
 References
 ----------
@@ -105,7 +105,7 @@ def _moved(aperture: Aperture, points: Float, shift: Float, random: np.random.Ge
     """Points (N, 2) moved by shift (K, N, 2), and still as dense as the light: (K, N, 2).
 
     On an image, a move to a darker texel is taken with the odds of the transmissions there and here, else the point
-    stays (Metropolis); elsewhere a point that leaves the opening is mirrored at its rim.
+    stays (Metropolis); elsewhere a point that leaves the aperture is mirrored at its rim.
     """
     moved = points + shift
     flat = moved.reshape(-1, 2)

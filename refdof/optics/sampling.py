@@ -1,16 +1,16 @@
-"""Lens samples: point sets on the opening, made only from (count, pattern, seed).
+"""Lens samples: point sets on the aperture, made only from (count, pattern, seed).
 
 ========  ===========================================================================================
 sobol     first points of a scrambled Sobol' net of the next power of two [1]
 halton    Halton points in bases 2 and 3, digits permuted at random [2]
 vogel     golden-angle spiral, rotated at random [3]
-poisson   darts that keep a distance, with the mean and covariance of the opening, `refdof.optics.poisson_disc`
+poisson   darts that keep a distance, with the mean and covariance of the aperture, `refdof.optics.poisson_disc`
 jittered  one random point in each of `count` cells of equal area
 random    independent points
 ========  ===========================================================================================
 
-Poisson-disc points are made on the opening itself. Every other pattern is a set of points of the unit square; the
-aperture maps it to the opening, keeping areas in proportion to the light.
+Poisson-disc points are made on the aperture itself. Every other pattern is a set of points of the unit square; the
+aperture maps it to the aperture, keeping areas in proportion to the light.
 
 References
 ----------
@@ -37,7 +37,7 @@ _MAX_COUNT = 1 << 20
 def lens_samples(
     count: int, pattern: str = "sobol", seed: int = 0, aperture: Aperture | None = None
 ) -> tuple[Float, Float]:
-    """Points on the opening of a lens, as dense as its light.
+    """Points on the aperture of a lens, as dense as its light.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof.image.noise_floor import GROUPS, noise_moments
-from refdof.optics.opening import opening_of
+from refdof.optics.aperture_sampling import aperture_sampler_of
 from refdof.optics.owen import block_of
 from refdof.raster.rays.raycast import new_packets, new_query
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
@@ -57,7 +57,7 @@ class TileSampler:
         self.most_points = int(power_of_two(spend.most / replicates))
         self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
         self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.shot()
-        self._opening = opening_of(view.lens.aperture)
+        self._opening = aperture_sampler_of(view.lens.aperture)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:

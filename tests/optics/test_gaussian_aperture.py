@@ -9,7 +9,7 @@ from scipy.stats import chisquare
 
 import refdof
 from refdof import Aperture, InputError, ThinLens
-from refdof.optics.opening import is_plain_disc, lens_point, opening_of
+from refdof.optics.aperture_sampling import aperture_sampler_of, is_plain_disc, lens_point
 from refdof.optics.sampling import PATTERNS, lens_samples
 from tests import stage
 
@@ -67,9 +67,9 @@ def test_a_wide_gaussian_is_the_even_disc():
 def test_kernels_draw_the_same_points():
     aperture = Aperture.gaussian(0.4, ratio=0.5)
     square = np.concatenate([np.random.default_rng(5).random((200, 2)), [[0.5, 0.5]]])
-    opening = opening_of(aperture)
-    assert not is_plain_disc(opening)
-    drawn = [lens_point(opening, u, v) for u, v in square]
+    aperture_sampler = aperture_sampler_of(aperture)
+    assert not is_plain_disc(aperture_sampler)
+    drawn = [lens_point(aperture_sampler, u, v) for u, v in square]
     np.testing.assert_allclose(drawn, aperture.from_square(square), rtol=0, atol=1e-15)
     assert drawn[-1] == (0.0, 0.0)
 

@@ -1,4 +1,4 @@
-"""Lens points per pixel: inside the opening, spread evenly, and moved as the paper says."""
+"""Lens points per pixel: inside the aperture, spread evenly, and moved as the paper says."""
 
 import numpy as np
 import pytest
@@ -16,9 +16,9 @@ pytestmark = pytest.mark.fast
 def test_points_stay_in_the_opening(blades, rotation, curvature, ratio, jitter):
     aperture = Aperture.polygon(blades, rotation, curvature, ratio)
     points = lens_pattern(5, aperture, jitter, "vogel").points.reshape(-1, 2)[:2000]
-    opening = shapely.Polygon(aperture.boundary * np.asarray(aperture.scale))
+    aperture_sampler = shapely.Polygon(aperture.boundary * np.asarray(aperture.scale))
     # Roundings of a few float64 operations.
-    assert shapely.dwithin(opening, shapely.points(points), 1e-12).all()
+    assert shapely.dwithin(aperture_sampler, shapely.points(points), 1e-12).all()
 
 
 @pytest.mark.parametrize("jitter", JITTERS)

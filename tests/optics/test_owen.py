@@ -1,4 +1,4 @@
-"""Scrambled nets keep their strata, scrambles are uniform and unrelated, and the opening's map keeps areas."""
+"""Scrambled nets keep their strata, scrambles are uniform and unrelated, and the aperture's map keeps areas."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from scipy import stats
 
 from refdof import Aperture
 from refdof._jit import JIT_DISABLED, kernel, prange
-from refdof.optics.opening import lens_point, opening_of
+from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
 from refdof.optics.owen import axis_seed, block_of, reverse_bits, scramble, scramble_state
 
 pytestmark = pytest.mark.fast
@@ -140,17 +140,17 @@ def test_cells_are_all_visited_along_squares():
 )
 def test_the_kernel_and_the_array_door_map_alike(aperture):
     square = np.random.default_rng(2).random((200, 2))
-    opening = opening_of(aperture)
-    kernel = np.array([lens_point(opening, u, v) for u, v in square])
+    aperture_sampler = aperture_sampler_of(aperture)
+    kernel = np.array([lens_point(aperture_sampler, u, v) for u, v in square])
     np.testing.assert_allclose(kernel, aperture.from_square(square), atol=1e-15)  # the same steps, in float64
 
 
 def test_an_image_is_sampled_by_its_transmission():
     weights = np.zeros((8, 8))
     weights[1, 3], weights[5, 2], weights[4, 6] = 1.0, 2.0, 5.0
-    opening = opening_of(Aperture.image(weights))
+    aperture_sampler = aperture_sampler_of(Aperture.image(weights))
     square = (np.indices((64, 64)).reshape(2, -1).T + 0.5) / 64
-    points = np.array([lens_point(opening, u, v) for u, v in square])
+    points = np.array([lens_point(aperture_sampler, u, v) for u, v in square])
     column = np.floor((points[:, 0] + 1) * 4).astype(int)
     row = np.floor((1 - points[:, 1]) * 4).astype(int)
     counts = np.zeros((8, 8))

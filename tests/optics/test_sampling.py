@@ -199,7 +199,7 @@ def test_the_smallest_hole_gets_all_points(pattern, count):
 
 
 half_gaussian = (0.5 - math.exp(-2) / (1 - math.exp(-2))) / 2  # (2 s^2 - q / (1 - q)) / 2 with q = exp(-1 / (2 s^2))
-OPENINGS = {  # opening, covariance, area by closed forms
+OPENINGS = {  # aperture, covariance, area by closed forms
     "disc": (Aperture.disc(), [[1 / 4, 0], [0, 1 / 4]], math.pi),
     "ellipse": (Aperture.disc(0.4), [[0.04, 0], [0, 1 / 4]], 0.4 * math.pi),
     "triangle": (Aperture.polygon(3), [[1 / 8, 0], [0, 1 / 8]], 0.75 * math.sqrt(3)),
@@ -211,12 +211,12 @@ OPENINGS = {  # opening, covariance, area by closed forms
 
 def best_distance(name, points):
     """Of the densest packing of as many points at each point's density: sqrt(2 / (sqrt 3 n)) at n points per area."""
-    opening, _, area = OPENINGS[name]
+    aperture_sampler, _, area = OPENINGS[name]
     count = len(points)
     if name == "gaussian":  # exp(-2 r^2) over its integral, pi / 2 (1 - e^-2)
         area = np.pi / 2 * (1 - np.exp(-2)) * np.exp(2 * (points**2).sum(axis=1))
     if name == "image":  # texels of 1/6 x 1/6
-        area = blob().sum() / 36 / opening.transmission(points)
+        area = blob().sum() / 36 / aperture_sampler.transmission(points)
     best = np.broadcast_to(np.sqrt(2 / np.sqrt(3) * np.asarray(area) / count), count)
     i, j = np.triu_indices(count, 1)
     return np.minimum(best[i], best[j])
@@ -225,13 +225,13 @@ def best_distance(name, points):
 @pytest.mark.parametrize("name", OPENINGS)
 @pytest.mark.parametrize("count", [3, 8, 32, 100])
 def test_poisson_discs_have_mean_and_covariance_of_the_opening_and_keep_their_distance(name, count):
-    opening, covariance, _ = OPENINGS[name]
+    aperture_sampler, covariance, _ = OPENINGS[name]
     mean = np.zeros(2)
     if name == "image":
         mean, square = image_moments(blob())
         covariance = square - np.outer(mean, mean)
     for seed in range(3):
-        points, _ = lens_samples(count, "poisson", seed, opening)
+        points, _ = lens_samples(count, "poisson", seed, aperture_sampler)
         assert (pdist(points) >= 0.7 * best_distance(name, points) * (1 - 1e-12)).all()  # roundings
         off = points - points.mean(axis=0)
         if name == "image" and count == 3:
@@ -281,12 +281,12 @@ def test_centre_and_spacing_of_every_pattern(pattern, count):
         (Aperture.polygon(6), 1.5 * math.sqrt(3)),
         (Aperture.polygon(3), 0.75 * 3**0.5),
     )
-    for (opening, area), expected in zip(openings, spacing, strict=True):
-        sets = [lens_samples(count, pattern, seed, opening)[0] for seed in range(20)]
+    for (aperture_sampler, area), expected in zip(openings, spacing, strict=True):
+        sets = [lens_samples(count, pattern, seed, aperture_sampler)[0] for seed in range(20)]
         off = math.sqrt(np.mean([(points.mean(axis=0) ** 2).sum() for points in sets]))
         least = np.mean([pdist(points).min() for points in sets]) / math.sqrt(2 * area / (math.sqrt(3) * count))
         assert least == pytest.approx(expected, abs=0.0006)  # as printed
-        if opening is openings[0][0]:
+        if aperture_sampler is openings[0][0]:
             assert off == pytest.approx(centre, abs=0.00006)
         assert off <= math.sqrt(1 / 2 / count)  # independent points on the disc have this; polygons are smaller
     assert spacing[1] > (0.85 if pattern == "vogel" else 0.95) * spacing[0]

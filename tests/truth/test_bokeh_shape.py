@@ -1,4 +1,4 @@
-"""The blur of a lamp has the shape of the opening, upright behind the focal plane and turned before it."""
+"""The blur of a lamp has the shape of the aperture, upright behind the focal plane and turned before it."""
 
 import numpy as np
 import pytest

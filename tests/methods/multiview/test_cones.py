@@ -143,7 +143,7 @@ def test_weights_of_an_image_aperture_dim_their_part_of_the_bokeh():
     # Behind the focal plane a point is displaced by + c v: the left of the lens is the left of the bokeh.
     left, right = image[:, : size[0] // 2 - 1].sum(), image[:, size[0] // 2 + 1 :].sum()
     assert left / right == pytest.approx(4.0, rel=0.1)
-    # A mean over the opening: 4 texels of 9, whatever the shape. 2048 points: 450 pixels of 9 * 2048^-0.75 (1 sigma).
+    # A mean over the aperture: 4 texels of 9, whatever the shape. 2048 points: 450 pixels of 9 * 2048^-0.75 (1 sigma).
     assert image.sum() == pytest.approx(36.0, abs=3 * 450**0.5 * 9 * 2048**-0.75)
 
 

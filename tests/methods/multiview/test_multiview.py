@@ -306,7 +306,7 @@ def test_each_lens_ray_shades_along_its_own_direction():
     exact = reference(scene, samples=256).image
     words = {"offscreen": "clamp", "view_dependent": True}
     image = render("multiview", scene, samples=256, jitter="none", pattern="sobol", **words).image
-    # About 64 of 256 points meet the opening, over which the environment varies by less than 1: 64^-0.75.
+    # About 64 of 256 points meet the aperture, over which the environment varies by less than 1: 64^-0.75.
     np.testing.assert_allclose(image, exact, rtol=0, atol=0.05)
 
 
