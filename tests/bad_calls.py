@@ -23,7 +23,7 @@ from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
-from refdof.optics.lens_pattern import lens_pattern
+from refdof.optics.pixel_samples import lens_pattern
 from refdof.raster.filters import mipmap, nbuffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -195,7 +195,7 @@ DOORS: dict[str, Door] = {
         {"focal_length": ("focus_distance", "f_number")},
     ),
     "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
-    "refdof.optics.lens_pattern.lens_pattern": Door(
+    "refdof.optics.pixel_samples.lens_pattern": Door(
         lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
     ),
     "refdof.scene.load.load_scene": Door(
@@ -335,7 +335,7 @@ DOORS: dict[str, Door] = {
     "refdof.rendering.render_view": Door(
         render_view, {"method": "scatter", "view": _view(), "stages": False, "preset": "best"}
     ),
-    "refdof.optics.sampling.lens_samples": Door(
+    "refdof.optics.lens_samples.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
     "refdof.scene.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
@@ -378,7 +378,7 @@ for _name, _module in METHODS.items():
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "cli", "comparison", "report", "trace",
-    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen", "optics.poisson_disc", "optics.shot",
+    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.shot",
     "image.atomic",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.normals", "scene.suggest",
     "raster.rays.attributes", "raster.rays.layer_color", "raster.rays.peel", "raster.rays.raycast",
@@ -400,8 +400,8 @@ INNER = {
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",
     "refdof.truth.forecast.Forecast",
-    "refdof.optics.lens_pattern.LensPattern",
-    "refdof.optics.lens_pattern.mean_nearest_distance",
+    "refdof.optics.pixel_samples.LensPattern",
+    "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
     "refdof.methods.multiview.method.cone_width",
     "refdof.methods.singlepass.method.spiral",

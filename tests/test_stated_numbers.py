@@ -62,4 +62,4 @@ def test_the_largest_colours_fit_float32(blur):
 
 
 def test_memory_of_the_largest_lens_pattern():
-    assert 64 * 64 * 4096 * (2 + 1) * 8 / 2**20 == 384  # refdof/optics/lens_pattern.py: x, y and weight in float64
+    assert 64 * 64 * 4096 * (2 + 1) * 8 / 2**20 == 384  # refdof/optics/pixel_samples.py: x, y and weight in float64

@@ -1,6 +1,6 @@
 """Accumulation: the average of pinhole views from points of the lens.
 
-1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen`
+1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen_sobol`
 2. See the scene from each of them, sheared to keep the focal plane in place  `refdof.truth.lens_rays`
 3. Average                                                                  `refdof.truth.lens_rays`
 

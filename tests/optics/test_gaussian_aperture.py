@@ -10,7 +10,7 @@ from scipy.stats import chisquare
 import refdof
 from refdof import Aperture, InputError, ThinLens
 from refdof.optics.aperture_sampling import aperture_sampler_of, is_plain_disc, lens_point
-from refdof.optics.sampling import PATTERNS, lens_samples
+from refdof.optics.lens_samples import PATTERNS, lens_samples
 from tests import stage
 
 

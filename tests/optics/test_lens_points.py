@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refdof import Aperture
 from refdof._jit import tile_kernel
 from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
-from refdof.optics.lens_pattern import lens_pattern
-from refdof.optics.sampling import lens_samples
+from refdof.optics.lens_samples import lens_samples
+from refdof.optics.pixel_samples import lens_pattern
 
 pytestmark = pytest.mark.fast
 

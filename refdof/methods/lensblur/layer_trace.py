@@ -20,7 +20,7 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.shot import Shot
 from refdof.raster.filters.nbuffer import n_buffer
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes

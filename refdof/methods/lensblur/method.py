@@ -43,8 +43,8 @@ import numpy as np
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
 from refdof.methods.lensblur.layer_trace import MISSES, Stack, new_stack, trace_layers
-from refdof.optics.lens_pattern import JITTERS, lens_pattern
-from refdof.optics.sampling import PATTERNS
+from refdof.optics.lens_samples import PATTERNS
+from refdof.optics.pixel_samples import JITTERS, lens_pattern
 from refdof.raster.rays.attributes import attributes_of
 from refdof.raster.rays.peel import Layers
 from refdof.trace import Trace
@@ -74,8 +74,8 @@ class Params:
     peel : "extended", "umbra" or "plain"
         What a layer hides of the next: the umbra of a pixel that reaches its neighbours' centres (the paper's), of the
         pixel itself, or nothing but itself.
-    jitter : one of `refdof.optics.lens_pattern.JITTERS`
-    pattern : one of `refdof.optics.sampling.PATTERNS`
+    jitter : one of `refdof.optics.pixel_samples.JITTERS`
+    pattern : one of `refdof.optics.lens_samples.PATTERNS`
         Of the lens points; "halton" jitter always takes Halton.
     footprint : "closed", "rays" or "quarter"
         Bounds of a pixel's rays: closed form of the thin lens, the quad around all rays, or around every fourth, which

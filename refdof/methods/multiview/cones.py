@@ -27,7 +27,7 @@ from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.coverage import coverage_mipmaps
 from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.shot import Shot
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 

@@ -11,7 +11,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.methods.multiview.ray_doubt import in_doubt
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.shot import Shot
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces

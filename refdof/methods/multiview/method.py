@@ -2,7 +2,7 @@
 
 1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.methods.multiview.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
-3. Choose lens points for every pixel                                      `refdof.optics.lens_pattern`
+3. Choose lens points for every pixel                                      `refdof.optics.pixel_samples`
 4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.height_field`,
    `visit`
 5. Follow each ray front to back, from texel to texel or by false position  `refdof.methods.multiview.height_field`,
@@ -70,8 +70,8 @@ from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods.multiview.decomposition import Decomposition, copies, decompose
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Fields, Search, fields_of
-from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
-from refdof.optics.sampling import PATTERNS, lens_samples
+from refdof.optics.lens_samples import PATTERNS, lens_samples
+from refdof.optics.pixel_samples import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of
 from refdof.raster.rays.layer_color import colors_of
 from refdof.trace import Trace
@@ -123,8 +123,8 @@ class Params:
         Skip layers early; changes no bit.
     offscreen : one of `OFFSCREEN`
         What rays do that leave the image: nothing, or see its border.
-    jitter : one of `refdof.optics.lens_pattern.JITTERS`
-    pattern : one of `refdof.optics.sampling.PATTERNS`
+    jitter : one of `refdof.optics.pixel_samples.JITTERS`
+    pattern : one of `refdof.optics.lens_samples.PATTERNS`
     cones : one of `CONES`
     view_dependent : bool
         Shade at the hit, along the lens ray, instead of in the layer, along the pinhole's.

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.raster.rays.attributes import ATTRIBUTES
 from tests import stage
 

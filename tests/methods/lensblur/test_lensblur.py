@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
 from refdof.methods.lensblur.method import FOOTPRINTS
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.rendering import make_params, render_view
 from tests import stage
 from tests.methods.lensblur import naive

@@ -16,7 +16,7 @@ from refdof import ThinLens, View
 from refdof.methods.multiview import Params, cone_width
 from refdof.methods.multiview.gather import gather
 from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.lens_pattern import lens_pattern
+from refdof.optics.pixel_samples import lens_pattern
 from refdof.rendering import render_view
 from tests import stage
 from tests.cards import lens_shares

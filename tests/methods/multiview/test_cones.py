@@ -7,7 +7,7 @@ import refdof
 from refdof import Aperture, Material, Part, ThinLens, View, render
 from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from tests import stage
 
 SEARCH = Search(False, 3, 5, 0.5, False, True, False)

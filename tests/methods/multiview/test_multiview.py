@@ -11,7 +11,7 @@ from refdof.methods.multiview.decomposition import decompose, layer_bounds
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.methods.multiview.method import _texel_bytes
-from refdof.optics.lens_pattern import LensPattern, lens_pattern
+from refdof.optics.pixel_samples import LensPattern, lens_pattern
 from refdof.truth import reference
 from tests import stage
 from tests.methods.multiview import naive

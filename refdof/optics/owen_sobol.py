@@ -9,7 +9,7 @@ Numbers are kept with their bits reversed, where scrambling is a hash whose low 
 
 A scramble is chosen by a 32-bit seed. Seeds of different axes, replicates and pixels come from a 64-bit generator [4]:
 a 32-bit hash of neighbouring numbers leaves them related (cells of an 8 x 8 grid over two axes up to 37 % off), which
-would bias every picture. `tests/optics/test_owen.py` counts cells for both.
+would bias every picture. `tests/optics/test_owen_sobol.py` counts cells for both.
 
 References
 ----------

@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 from refdof._check import InputError
 from refdof.optics.aperture import Aperture
-from refdof.optics.sampling import PATTERNS, lens_samples
+from refdof.optics.lens_samples import PATTERNS, lens_samples
 
 pytestmark = pytest.mark.fast
 

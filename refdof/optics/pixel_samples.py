@@ -23,8 +23,8 @@ from scipy.spatial import cKDTree
 
 from refdof._check import Float, Index, as_choice, as_instance, as_integer
 from refdof.optics.aperture import Aperture
+from refdof.optics.lens_samples import PATTERNS, lens_samples
 from refdof.optics.lens_shape import mirrored
-from refdof.optics.sampling import PATTERNS, lens_samples
 
 __all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
 
@@ -59,7 +59,7 @@ def lens_pattern(
         Points are as dense as its light.
     jitter : one of `JITTERS`
     pattern : str
-        One of `refdof.optics.sampling.PATTERNS`; with "halton" jitter always Halton.
+        One of `refdof.optics.lens_samples.PATTERNS`; with "halton" jitter always Halton.
     seed : int
         >= 0.
 

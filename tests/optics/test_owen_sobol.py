@@ -7,7 +7,7 @@ from scipy import stats
 from refdof import Aperture
 from refdof._jit import JIT_DISABLED, kernel, prange
 from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
-from refdof.optics.owen import axis_seed, block_of, reverse_bits, scramble, scramble_state
+from refdof.optics.owen_sobol import axis_seed, block_of, reverse_bits, scramble, scramble_state
 
 pytestmark = pytest.mark.fast
 

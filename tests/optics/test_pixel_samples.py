@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof import Aperture, InputError, lens_samples
-from refdof.optics.lens_pattern import JITTERS, lens_pattern, mean_nearest_distance
+from refdof.optics.pixel_samples import JITTERS, lens_pattern, mean_nearest_distance
 
 pytestmark = pytest.mark.fast
 
