@@ -378,7 +378,7 @@ for _name, _module in METHODS.items():
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "cli", "comparison", "report", "trace",
-    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.shot",
+    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.projection",
     "image.atomic",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.normals", "scene.suggest",
     "raster.rays.attributes", "raster.rays.layer_color", "raster.rays.peel", "raster.rays.raycast",

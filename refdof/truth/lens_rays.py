@@ -42,7 +42,7 @@ def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
 
 @tile_kernel
 def trace_block(
-    surfaces, scene, packet, query, shot, aperture_sampler, block, pixels, seed, shared, box, packets, sums
+    surfaces, scene, packet, query, projection, aperture_sampler, block, pixels, seed, shared, box, packets, sums
 ):
     """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2).
 
@@ -65,7 +65,7 @@ def trace_block(
             part = pixels[first : first + chunk]
             total = sums[replicate : replicate + group, first : first + chunk]
             start = (np.uint32(seed), replicate, shared)
-            _trace(surfaces, scene, packet, shot, aperture_sampler, block, part, cells, start, box, work, total)
+            _trace(surfaces, scene, packet, projection, aperture_sampler, block, part, cells, start, box, work, total)
 
 
 @inline
@@ -77,7 +77,7 @@ def _cells_together(cells):
 
 
 @tile_kernel
-def _trace(surfaces, scene, packet, shot, aperture_sampler, block, pixels, cells, start, box, work, sums):
+def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels, cells, start, box, work, sums):
     """Trace one block for sums (G, N, 3), as many pixels and replicates as the working memory holds.
 
     A strand is one pixel in one replicate; strand p G + g.
@@ -95,7 +95,7 @@ def _trace(surfaces, scene, packet, shot, aperture_sampler, block, pixels, cells
     column_of, row_of, totals = borrow(work[5]), borrow(work[6]), borrow(work[7])[:strands]
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
-    _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of)
+    _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of)
     _fill_constants(packets, integers)
     for first in range(0, len(block.cells), cells):
         for k in range(cells):
@@ -108,7 +108,7 @@ def _trace(surfaces, scene, packet, shot, aperture_sampler, block, pixels, cells
             else:
                 dx[:], dy[:] = 0.5, 0.5
             _on_lens(aperture_sampler, x, y)
-            _towards_focus(shot, tangents[0], tangents[1], x, y, dx, dy)
+            _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
             call_address(packet, valid, scene, first_packet + k * stride, arguments)
@@ -120,16 +120,16 @@ def _trace(surfaces, scene, packet, shot, aperture_sampler, block, pixels, cells
 
 
 @inline
-def _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of):
+def _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of):
     """Draw every strand's scramble and note where it sends the columns and rows of lens cells."""
     seed, replicate, shared = start
-    scale = 1.0 / shot.pixels_per_tangent
+    scale = 1.0 / projection.pixels_per_tangent
     for p in range(len(pixels)):
-        identity = 0 if shared else pixels[p, 1] * shot.width + pixels[p, 0]
+        identity = 0 if shared else pixels[p, 1] * projection.width + pixels[p, 0]
         for g in range(group):
             s = p * group + g
-            tangents[0, s] = (pixels[p, 0] - 0.5 * shot.width) * scale
-            tangents[1, s] = (0.5 * shot.height - pixels[p, 1]) * scale
+            tangents[0, s] = (pixels[p, 0] - 0.5 * projection.width) * scale
+            tangents[1, s] = (0.5 * projection.height - pixels[p, 1]) * scale
             state = scramble_state(seed, replicate + g, identity)
             for k in range(4):
                 seeds[k, s] = axis_seed(state, k)
@@ -181,9 +181,9 @@ def _on_lens(aperture_sampler, x, y):
 
 
 @inline
-def _towards_focus(shot, right, up, x, y, dx, dy):
+def _towards_focus(projection, right, up, x, y, dx, dy):
     """Turn lens points and places in the pixel into origins and directions, in place."""
-    scale, radius, focus = 1.0 / shot.pixels_per_tangent, shot.lens_radius, shot.inverse_focus
+    scale, radius, focus = 1.0 / projection.pixels_per_tangent, projection.lens_radius, projection.inverse_focus
     for s in range(len(x)):
         x[s] *= radius
         dx[s] = right[s] + dx[s] * scale - x[s] * focus

@@ -56,7 +56,7 @@ class TileSampler:
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
         self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
-        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.shot()
+        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.projection()
         self._opening = aperture_sampler_of(view.lens.aperture)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))

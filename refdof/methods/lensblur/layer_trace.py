@@ -21,7 +21,7 @@ from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 from refdof.optics.pixel_samples import LensPattern
-from refdof.optics.shot import Shot
+from refdof.optics.projection import Projection
 from refdof.raster.filters.nbuffer import n_buffer
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
@@ -75,7 +75,7 @@ def trace_layers(
     stack: Stack,
     values: Float,
     surfaces: Surfaces,
-    shot: Shot,
+    projection: Projection,
     focus: float,
     pattern: LensPattern,
     pinhole: Float,
@@ -94,7 +94,7 @@ def trace_layers(
         Colours, or attributes to be shaded.
     surfaces : Surfaces
         Lights and background.
-    shot : Shot
+    projection : Shot
     focus : float
         The focal plane [px of parallax].
     pattern : LensPattern
@@ -125,7 +125,20 @@ def trace_layers(
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
         _trace_rows(
-            stack, values, surfaces, shot, center, lens, weights, pattern.set, pinhole, top, how, first, last, traced
+            stack,
+            values,
+            surfaces,
+            projection,
+            center,
+            lens,
+            weights,
+            pattern.set,
+            pinhole,
+            top,
+            how,
+            first,
+            last,
+            traced,
         )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
@@ -133,7 +146,9 @@ def trace_layers(
 
 
 @tile_kernel
-def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
+def _trace_rows(
+    stack, values, surfaces, projection, focus, lens, weights, sets, pinhole, top, how, first, last, traced
+):
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
     packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
@@ -172,7 +187,9 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
                     right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
-                    r, g, b = _hit_color(surfaces, shot, packs, values, linear, layer, at_x, at_y, right, down, ax, ay)
+                    r, g, b = _hit_color(
+                        surfaces, projection, packs, values, linear, layer, at_x, at_y, right, down, ax, ay
+                    )
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
                 red += missed * pinhole[y, x, 0]
@@ -234,25 +251,28 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
 
 
 @inline
-def _hit_color(surfaces, shot, packs, values, linear, layer, x, y, right, down, ax, ay):
+def _hit_color(surfaces, projection, packs, values, linear, layer, x, y, right, down, ax, ay):
     """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
-    r, g, b = _radiance(surfaces, shot, values, layer, x, y, ax, ay)
+    r, g, b = _radiance(surfaces, projection, values, layer, x, y, ax, ay)
     if linear:
         across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
-        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
-        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
-        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
+        r1, g1, b1 = _radiance(surfaces, projection, values, *across, ax, ay)
+        r2, g2, b2 = _radiance(surfaces, projection, values, *along, ax, ay)
+        r3, g3, b3 = _radiance(surfaces, projection, values, *corner, ax, ay)
         r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
     return r, g, b
 
 
 @inline
-def _radiance(surfaces, shot, values, layer, x, y, ax, ay):
+def _radiance(surfaces, projection, values, layer, x, y, ax, ay):
     """Linear RGB of a sample: its colour, or its attributes seen along the ray that ends at (ax, ay)."""
     value = values[layer, y, x]
     if len(value) != ATTRIBUTES:
         return value[0], value[1], value[2]
-    dx, dy = (ax - 0.5 * shot.width) / shot.pixels_per_tangent, (0.5 * shot.height - ay) / shot.pixels_per_tangent
+    dx, dy = (
+        (ax - 0.5 * projection.width) / projection.pixels_per_tangent,
+        (0.5 * projection.height - ay) / projection.pixels_per_tangent,
+    )
     return shade_attributes(surfaces, value, dx, dy, -1.0)
 
 

@@ -151,7 +151,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     values = layers.color
     if params.deferred:
         values = view.product(
-            f"lensblur attributes {name}", lambda: attributes_of(view.surfaces(), view.shot(), layers.triangle)
+            f"lensblur attributes {name}", lambda: attributes_of(view.surfaces(), view.projection(), layers.triangle)
         )
     pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
     footprint = params.footprint
@@ -161,7 +161,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
         stack,
         values,
         view.surfaces(),
-        view.shot(),
+        view.projection(),
         float(_parallax(view, view.lens.focus_distance)),
         pattern,
         pinhole,

@@ -12,7 +12,7 @@ from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
 from refdof.methods.multiview.ray_doubt import in_doubt
 from refdof.optics.pixel_samples import LensPattern
-from refdof.optics.shot import Shot
+from refdof.optics.projection import Projection
 from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
@@ -38,7 +38,7 @@ def gather(
     surface: Float,
     pattern: LensPattern,
     search: Search,
-    shot: Shot,
+    projection: Projection,
     surfaces: Surfaces,
     background: Any,
 ) -> Float:
@@ -53,7 +53,9 @@ def gather(
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
-        _gather_rows(fields, surface, points, weights, pattern.set, search, shot, surfaces, table, first, last, out)
+        _gather_rows(
+            fields, surface, points, weights, pattern.set, search, projection, surfaces, table, first, last, out
+        )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return out
@@ -86,7 +88,7 @@ def culled_layers(fields: Fields, search: Search) -> Any:
 
 
 @tile_kernel
-def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces, background, first, last, out):
+def _gather_rows(fields, surface, points, weights, sets, search, projection, surfaces, background, first, last, out):
     """Rows first .. last - 1 of out (H, W, 3)."""
     fields, surface, points, weights = borrow_fields(fields), borrow(surface), borrow(points), borrow(weights)
     surfaces, out, sets = borrow_surfaces(surfaces), borrow(out), borrow(sets)
@@ -110,30 +112,30 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
                 if place == -1:
                     r, g, b = background
                 else:
-                    dx, dy = ray_tangents(shot, x, y, vx, vy)
+                    dx, dy = ray_tangents(projection, x, y, vx, vy)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
                     r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
+                red, green, blue = pinhole_light(fields, texels, surfaces, projection, background, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 
 @inline
-def ray_tangents(shot, x, y, vx, vy):
+def ray_tangents(projection, x, y, vx, vy):
     """Direction (dx, dy, -1) of the ray of pixel (x, y) through lens point v."""
-    dx, dy = (x + 0.5 - 0.5 * shot.width), (0.5 * shot.height - y - 0.5)
-    bend, scale = shot.lens_radius * shot.inverse_focus, 1.0 / shot.pixels_per_tangent
+    dx, dy = (x + 0.5 - 0.5 * projection.width), (0.5 * projection.height - y - 0.5)
+    bend, scale = projection.lens_radius * projection.inverse_focus, 1.0 / projection.pixels_per_tangent
     return dx * scale - bend * vx, dy * scale - bend * vy
 
 
 @inline
-def pinhole_light(fields, texels, surfaces, shot, background, x, y):
+def pinhole_light(fields, texels, surfaces, projection, background, x, y):
     """What the pinhole sees at pixel (x, y) of layers whose texels (K, >= H W, C) begin with the full picture."""
     for k in range(len(fields.coc)):
         if fields.coc[k, y, x] < np.inf:
-            dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+            dx, dy = ray_tangents(projection, x, y, 0.0, 0.0)
             return light_of(surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
     return background
 

@@ -227,7 +227,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
         params.offscreen == "discard",
     )
     _record_rays(trace, fields, pattern, search)
-    rays = pattern, search, view.shot(), view.surfaces(), view.scene.background
+    rays = pattern, search, view.projection(), view.surfaces(), view.scene.background
     if params.cones == "none":
         return gather(fields, surface, *rays)
     widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
@@ -291,7 +291,7 @@ def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     make = attributes_of if params.view_dependent else colors_of
     return view.product(
         f"multiview {make.__name__} {_choice(view, params)}",
-        lambda: make(view.surfaces(), view.shot(), layers.triangle),
+        lambda: make(view.surfaces(), view.projection(), layers.triangle),
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
-from refdof.optics.shot import Shot
+from refdof.optics.projection import Projection
 from refdof.raster.rays.layer_color import pinhole_hit
 from refdof.raster.rays.shading import lit, shading_normal, surface_color
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
@@ -29,7 +29,7 @@ _ALBEDO, _EMISSION, _NORMAL, _SPECULAR, _SHININESS = 0, 3, 6, 9, 12
 _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 
 
-def attributes_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
+def attributes_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> Float:
     """Attributes of triangles at the pixel centres.
 
     Parameters
@@ -44,12 +44,12 @@ def attributes_of(surfaces: Surfaces, shot: Shot, triangle: Index) -> Float:
         Zeros where empty.
     """
     out = np.zeros((*triangle.shape, ATTRIBUTES), dtype=np.float32)
-    _fill(surfaces, shot, triangle, out)
+    _fill(surfaces, projection, triangle, out)
     return out
 
 
 @kernel
-def _fill(surfaces, shot, triangle, out):
+def _fill(surfaces, projection, triangle, out):
     """Fill out (N, H, W, 13)."""
     for y in prange(triangle.shape[1]):
         own = borrow_surfaces(surfaces)
@@ -59,7 +59,7 @@ def _fill(surfaces, shot, triangle, out):
                 if face < 0:
                     continue
                 a, material = out[n, y, x], own.face_material[face]
-                u, v, dx, dy = pinhole_hit(own, shot, face, x, y)
+                u, v, dx, dy = pinhole_hit(own, projection, face, x, y)
                 w = 1.0 - u - v
                 color = _EMISSION if own.shading[material] == _UNLIT else _ALBEDO
                 a[color], a[color + 1], a[color + 2] = surface_color(own, face, w, u, v)

@@ -21,7 +21,7 @@ import numpy as np
 
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
-from refdof.optics.shot import Shot
+from refdof.optics.projection import Projection
 from refdof.raster.rays.raycast import Tracer, new_collector
 from refdof.raster.rays.shading import shade, shading_normal
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
@@ -49,7 +49,9 @@ class Layers(NamedTuple):
     triangle: Index
 
 
-def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = None, umbra_step: float = 0.0) -> Layers:
+def peel(
+    surfaces: Surfaces, tracer: Tracer, projection: Projection, count: int | None = None, umbra_step: float = 0.0
+) -> Layers:
     """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
 
     Of a count above 16 no more layers are made than the deepest pixel has, and one empty one.
@@ -63,65 +65,65 @@ def peel(surfaces: Surfaces, tracer: Tracer, shot: Shot, count: int | None = Non
         If count < 1.
     """
     if count is None:
-        count = max(1, int(count_surfaces(surfaces, tracer, shot, umbra_step).max(initial=0)))
+        count = max(1, int(count_surfaces(surfaces, tracer, projection, umbra_step).max(initial=0)))
     count = as_integer("count", count, minimum=1)
     if count > _MANY:  # one empty layer more than the deepest pixel needs shows that nothing is left
-        count = min(count, 1 + int(count_surfaces(surfaces, tracer, shot, umbra_step).max(initial=0)))
-    shape = (count, shot.height, shot.width)
+        count = min(count, 1 + int(count_surfaces(surfaces, tracer, projection, umbra_step).max(initial=0)))
+    shape = (count, projection.height, projection.width)
     layers = Layers(
         np.zeros((*shape, 3), dtype=np.float32),
         np.full(shape, np.inf),
         np.zeros((*shape, 3), dtype=np.float32),
         np.full(shape, -1, dtype=np.int32),
     )
-    _run(surfaces, tracer, shot, layers, umbra_step)
+    _run(surfaces, tracer, projection, layers, umbra_step)
     return layers
 
 
-def count_surfaces(surfaces: Surfaces, tracer: Tracer, shot: Shot, umbra_step: float = 0.0) -> Index:
+def count_surfaces(surfaces: Surfaces, tracer: Tracer, projection: Projection, umbra_step: float = 0.0) -> Index:
     """How many surfaces the ray through each pixel's centre meets, or the lens can see: (H, W) int32."""
-    empty = (0, shot.height, shot.width)
+    empty = (0, projection.height, projection.width)
     layers = Layers(
         np.zeros((*empty, 3), dtype=np.float32),
         np.zeros(empty),
         np.zeros((*empty, 3), dtype=np.float32),
         np.zeros(empty, dtype=np.int32),
     )
-    return _run(surfaces, tracer, shot, layers, umbra_step)
+    return _run(surfaces, tracer, projection, layers, umbra_step)
 
 
-def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers, umbra_step: float) -> Index:
+def _run(surfaces: Surfaces, tracer: Tracer, projection: Projection, layers: Layers, umbra_step: float) -> Index:
     """Fill `layers` in bands of rows; a band with more surfaces than expected is run again with more room."""
-    counts = np.zeros((shot.height, shot.width), dtype=np.int32)
+    counts = np.zeros((projection.height, projection.width), dtype=np.int32)
 
     def band(first: int) -> None:
-        last, capacity = min(first + _ROWS_PER_TASK, shot.height), _FIRST_CAPACITY
+        last, capacity = min(first + _ROWS_PER_TASK, projection.height), _FIRST_CAPACITY
         while True:
             memory = new_collector(capacity)
             found = _peel_rows(
-                surfaces, tracer.scene, tracer.single, shot, umbra_step, first, last, memory, layers, counts
+                surfaces, tracer.scene, tracer.single, projection, umbra_step, first, last, memory, layers, counts
             )
             if found <= capacity:
                 return
             capacity = 2 * found
 
-    run_tasks(band, range(0, shot.height, _ROWS_PER_TASK))
+    run_tasks(band, range(0, projection.height, _ROWS_PER_TASK))
     return counts
 
 
 @tile_kernel
-def _peel_rows(surfaces, scene, single, shot, umbra_step, first, last, memory, layers, counts):
+def _peel_rows(surfaces, scene, single, projection, umbra_step, first, last, memory, layers, counts):
     """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel."""
     surfaces = borrow_surfaces(surfaces)
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)
-    scale = 1.0 / shot.pixels_per_tangent
+    scale = 1.0 / projection.pixels_per_tangent
     unit = 2.0**surfaces.exponent
     most = 0
     for y in range(first, last):
-        for x in range(shot.width):
-            dx, dy = (x + 0.5 - 0.5 * shot.width) * scale, (0.5 * shot.height - y - 0.5) * scale
+        for x in range(projection.width):
+            dx, dy = (x + 0.5 - 0.5 * projection.width) * scale, (0.5 * projection.height - y - 0.5) * scale
             _aim(memory, dx, dy)
             call_address(single, scene, memory.ray_address, memory.arguments_address, 0)
             found = min(memory.context[3], capacity)

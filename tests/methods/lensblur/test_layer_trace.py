@@ -35,7 +35,9 @@ def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
     stack = new_stack(parallax, extension, complete)
-    return trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, misses="black", **words)
+    return trace_layers(
+        stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, misses="black", **words
+    )
 
 
 def meet(layers, pixel, v, focus, width=4, upright=False, **words):
@@ -221,7 +223,7 @@ def test_sets_of_lens_points_go_by_row_and_column():
     color = np.zeros((1, 3, 3, 3), np.float32)
     color[0, ..., 0] = np.arange(9).reshape(3, 3)
     traced = trace_layers(
-        new_stack(np.full((1, 3, 3), 2.0), 0.0, True), color, view.surfaces(), view.shot(), 1.0, pattern,
+        new_stack(np.full((1, 3, 3), 2.0), 0.0, True), color, view.surfaces(), view.projection(), 1.0, pattern,
         np.zeros((3, 3, 3), np.float32),
     )  # fmt: skip
     # Through v = 1 at u = 2, one texel to the right.
@@ -236,7 +238,14 @@ def test_all_rays_missed_show_the_pinhole():
     stack = new_stack(np.full((1, 1, 2), 0.25), 0.0, False)
     for misses, wanted in (("renormalise", pinhole), ("pinhole", pinhole), ("black", np.zeros((1, 2, 3)))):
         traced = trace_layers(
-            stack, np.ones((1, 1, 2, 3), np.float32), view.surfaces(), view.shot(), 1.0, pattern, pinhole, misses=misses
+            stack,
+            np.ones((1, 1, 2, 3), np.float32),
+            view.surfaces(),
+            view.projection(),
+            1.0,
+            pattern,
+            pinhole,
+            misses=misses,
         )
         np.testing.assert_array_equal(traced.missed, 1.0)
         np.testing.assert_array_equal(traced.image, wanted)

@@ -55,7 +55,7 @@ def picture(seed, size, dtype=np.float64, twin=True, **words):
     complete = bool(random.integers(2))
     view = empty_view(width, height)
     stack = new_stack(parallax, extension, complete, int(random.integers(1, 4)))
-    ours = trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, **words)
+    ours = trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, **words)
 
     if not twin:
         return (ours,)
@@ -110,7 +110,7 @@ def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
     view = empty_view(2, 1)
     for iterations in (0, 3):
         traced = trace_layers(
-            new_stack(parallax, 1.0, True), color, view.surfaces(), view.shot(), 10.2, pattern,
+            new_stack(parallax, 1.0, True), color, view.surfaces(), view.projection(), 10.2, pattern,
             np.zeros((1, 2, 3), dtype=np.float32), iterations=iterations,
         )  # fmt: skip
         np.testing.assert_array_equal(traced.image[0, 0], [1.0, 2.0, 3.0])

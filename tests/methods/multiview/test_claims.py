@@ -228,7 +228,7 @@ def picture_from_exact_layers(name):
     heights = np.stack(heights)
     low, high = heights.min(axis=(1, 2)), np.where(heights < np.inf, heights, -np.inf).max(axis=(1, 2))
     fields = fields_of(heights, low, high, 1.0)
-    return gather(fields, np.stack(colors), pattern, search, own.shot(), own.surfaces(), own.scene.background)
+    return gather(fields, np.stack(colors), pattern, search, own.projection(), own.surfaces(), own.scene.background)
 
 
 @pytest.mark.parametrize("name", ["fence", "branches"])

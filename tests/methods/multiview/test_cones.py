@@ -29,7 +29,7 @@ def test_cones_blend_what_covers_them_by_hand():
     chain = mip_chain(color, coc, np.zeros(coc.shape, bool), 2.0)
     np.testing.assert_array_equal(chain.texels[0, 64:80], np.tile([0.75, 0.0, 0.0, 0.75, 0.75], (16, 1)))
     fields = fields_of(coc, bounds, bounds, 1.0)
-    image = gather_cones(fields, chain, 0.5, pattern, SEARCH, view.shot(), view.surfaces(), (0.0, 0.0, 1.0))
+    image = gather_cones(fields, chain, 0.5, pattern, SEARCH, view.projection(), view.surfaces(), (0.0, 0.0, 1.0))
     np.testing.assert_array_equal(image, np.tile(np.float32([0.75, 0.25, 0.0]), (8, 8, 1)))
 
 
@@ -42,7 +42,7 @@ def test_what_cones_leave_is_background_by_hand():
     pattern = LensPattern(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     bounds = np.array([-4.0], np.float32)
     fields = fields_of(coc, bounds, bounds, 1.0)
-    image = gather_cones(fields, chain, 0.5, pattern, SEARCH, view.shot(), view.surfaces(), (0.0, 0.5, 0.0))
+    image = gather_cones(fields, chain, 0.5, pattern, SEARCH, view.projection(), view.surfaces(), (0.0, 0.5, 0.0))
     np.testing.assert_array_equal(image, np.tile(np.float32([0.75, 0.875, 0.75]), (4, 4, 1)))
 
 
@@ -54,7 +54,7 @@ def through_middle(coc, copied, widening, background):
     pattern = LensPattern(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     chain = mip_chain(np.zeros((*coc.shape, 3), np.float32), coc, copied, widening * np.abs(bounds).max())
     fields = fields_of(coc, bounds, bounds, 1.0, FOOTPRINT * widening)
-    words = pattern, SEARCH, view.shot(), view.surfaces(), (background,) * 3
+    words = pattern, SEARCH, view.projection(), view.surfaces(), (background,) * 3
     return gather_cones(fields, chain, widening, *words)[..., 0]
 
 

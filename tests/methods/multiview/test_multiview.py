@@ -278,7 +278,7 @@ def test_mean_over_the_lens_matches_the_twin():
     background = (0.25, 0.5, 0.75)
     search = SEARCH._replace(march=True)
     image = gather(
-        fields_of(coc, near, far, 1.0), color, one_set(points), search, view.shot(), view.surfaces(), background
+        fields_of(coc, near, far, 1.0), color, one_set(points), search, view.projection(), view.surfaces(), background
     )
     wanted = naive.mean_over_lens(coc, near, far, color, background, points, 0.5, True)
     alone = np.isnan(wanted[..., 0])

@@ -45,7 +45,7 @@ def test_same_colours_as_shading_at_once():
         parts.append(Part(corners, [[0, 1, 2]], material, random.random((3, 2)), random.random((3, 3)), normal))
     view = View(stage.scene_of(parts, shot), shot, ThinLens(0.1, 2.0))
     layers = view.layers(3)
-    attributes = attributes_of(view.surfaces(), view.shot(), layers.triangle)
+    attributes = attributes_of(view.surfaces(), view.projection(), layers.triangle)
     filled = layers.triangle >= 0
     assert len(np.unique(layers.triangle[filled])) == 3
     right, up = stage.tangents(16, 12, 12.0)

@@ -1,4 +1,4 @@
-"""Shot: camera and lens as plain numbers for kernels, in the unit of length of `Surfaces`."""
+"""Projection: camera and lens as plain numbers for kernels, in the unit of length of `Surfaces`."""
 
 import sys
 from typing import NamedTuple
@@ -8,10 +8,10 @@ import numpy as np
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["Shot", "shot_of"]
+__all__ = ["Projection", "projection_of"]
 
 
-class Shot(NamedTuple):
+class Projection(NamedTuple):
     """Picture size [px], P [px], lens radius [2^exponent scene units] and 1 / focus distance."""
 
     width: int
@@ -21,9 +21,9 @@ class Shot(NamedTuple):
     inverse_focus: float
 
 
-def shot_of(camera: Camera, lens: ThinLens, exponent: int) -> Shot:
+def projection_of(camera: Camera, lens: ThinLens, exponent: int) -> Projection:
     """Camera and lens, with lengths divided by 2^exponent."""
-    return Shot(
+    return Projection(
         camera.width,
         camera.height,
         camera.pixels_per_tangent,
