@@ -3,8 +3,8 @@
 1. read the file; whatever goes wrong becomes one line     `_read`
 2. every mesh, placed by its node                          `_part`
 3. its colours and textures, made linear                   `_Looks`
-4. the file's own normals, or smooth ones with creases     `refdof.scene.normals`
-5. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf_camera`, `refdof.scene.suggest`
+4. the file's own normals, or smooth ones with creases     `refdof.scene.smooth_normals`
+5. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf_camera`, `refdof.scene.framing`
 
 What is left out: points, lines, animation, transparency, and every texture but that of the base colour.
 Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
@@ -23,10 +23,10 @@ import trimesh
 from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index, as_path
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf_camera import gltf_camera, without_cameras
-from refdof.scene.normals import smooth_normals
 from refdof.scene.scene import SHADINGS, Light, Material, Part, Scene
-from refdof.scene.suggest import suggest_camera, suggest_lens, up_axis
+from refdof.scene.smooth_normals import smooth_normals
 
 __all__ = ["load_mesh"]
 

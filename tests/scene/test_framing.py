@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from refdof.optics.camera import Camera
-from refdof.scene.suggest import suggest_camera, suggest_lens, up_axis
+from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 
 
 def arrays(mesh):

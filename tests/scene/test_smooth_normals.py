@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from refdof.scene.normals import smooth_normals
+from refdof.scene.smooth_normals import smooth_normals
 
 
 def ridge(degrees):
