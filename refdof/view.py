@@ -16,8 +16,8 @@ from refdof._check import Float, Index, as_instance, as_integer
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.projection import Projection, projection_of
-from refdof.raster.rays.peel import Layers, count_surfaces, peel
-from refdof.raster.rays.raycast import Tracer, new_tracer
+from refdof.raster.rays.embree import Tracer, new_tracer
+from refdof.raster.rays.exact_layers import Layers, count_surfaces, exact_layers
 from refdof.raster.rays.surfaces import Surfaces, surfaces_of
 from refdof.raster.rays.umbra import umbra_step
 from refdof.scene.scene import Scene
@@ -113,7 +113,7 @@ class View:
         count = _as_count(count)
 
         def build() -> Layers:
-            return peel(self.surfaces(), self.tracer(), self.projection(), count)
+            return exact_layers(self.surfaces(), self.tracer(), self.projection(), count)
 
         return self.product(f"layers {count or 'all'}", build)
 
@@ -124,7 +124,7 @@ class View:
         count, extent_px = _as_count(count), as_integer("extent_px", extent_px, minimum=1, maximum=2)
 
         def build() -> Layers:
-            return peel(self.surfaces(), self.tracer(), self.projection(), count, self._umbra_step(extent_px))
+            return exact_layers(self.surfaces(), self.tracer(), self.projection(), count, self._umbra_step(extent_px))
 
         return self.product(f"umbra layers {count or 'all'} extent {extent_px}", build)
 

@@ -381,7 +381,7 @@ INNER_MODULES = {
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.projection",
     "image.atomic",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
-    "raster.rays.attributes", "raster.rays.layer_color", "raster.rays.peel", "raster.rays.raycast",
+    "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
     "raster.filters.bilinear", "raster.filters.halving", "raster.filters.squares",

@@ -21,7 +21,7 @@ from refdof._jit import borrow, call_address, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
-from refdof.raster.rays.raycast import LANES, ROWS, Row
+from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 

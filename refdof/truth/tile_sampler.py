@@ -12,7 +12,7 @@ from refdof._check import Float, Index
 from refdof.image.noise_floor import GROUPS, noise_moments
 from refdof.optics.aperture_sampling import aperture_sampler_of
 from refdof.optics.owen_sobol import block_of
-from refdof.raster.rays.raycast import new_packets, new_query
+from refdof.raster.rays.embree import new_packets, new_query
 from refdof.truth.emitters import first_samples
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
 from refdof.truth.lens_rays import tile_order, trace_block

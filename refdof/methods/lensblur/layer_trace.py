@@ -23,7 +23,7 @@ from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, n
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
 from refdof.raster.filters.nbuffer import n_buffer
-from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
@@ -267,13 +267,13 @@ def _hit_color(surfaces, projection, packs, values, linear, layer, x, y, right, 
 def _radiance(surfaces, projection, values, layer, x, y, ax, ay):
     """Linear RGB of a sample: its colour, or its attributes seen along the ray that ends at (ax, ay)."""
     value = values[layer, y, x]
-    if len(value) != ATTRIBUTES:
+    if len(value) != GBUFFER_CHANNELS:
         return value[0], value[1], value[2]
     dx, dy = (
         (ax - 0.5 * projection.width) / projection.pixels_per_tangent,
         (0.5 * projection.height - ay) / projection.pixels_per_tangent,
     )
-    return shade_attributes(surfaces, value, dx, dy, -1.0)
+    return shade_gbuffer(surfaces, value, dx, dy, -1.0)
 
 
 @inline

@@ -45,8 +45,8 @@ from refdof.methods._contract import Method
 from refdof.methods.lensblur.layer_trace import MISSES, Stack, new_stack, trace_layers
 from refdof.optics.lens_samples import PATTERNS
 from refdof.optics.pixel_samples import JITTERS, lens_pattern
-from refdof.raster.rays.attributes import attributes_of
-from refdof.raster.rays.peel import Layers
+from refdof.raster.rays.exact_layers import Layers
+from refdof.raster.rays.gbuffer import gbuffer_of
 from refdof.trace import Trace
 from refdof.view import View
 
@@ -151,7 +151,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     values = layers.color
     if params.deferred:
         values = view.product(
-            f"lensblur attributes {name}", lambda: attributes_of(view.surfaces(), view.projection(), layers.triangle)
+            f"lensblur attributes {name}", lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
         )
     pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
     footprint = params.footprint

@@ -13,7 +13,7 @@ from refdof.methods.multiview.height_field import Fields, Search, borrow_fields,
 from refdof.methods.multiview.ray_doubt import in_doubt
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
-from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]
@@ -143,9 +143,9 @@ def pinhole_light(fields, texels, surfaces, projection, background, x, y):
 @inline
 def light_of(surfaces, surface, dx, dy):
     """A texel's colour, or its attributes shaded along the ray; further channels have no part."""
-    if len(surface) < ATTRIBUTES:
+    if len(surface) < GBUFFER_CHANNELS:
         return np.float64(surface[0]), np.float64(surface[1]), np.float64(surface[2])
-    return shade_attributes(surfaces, surface, dx, dy, -1.0)
+    return shade_gbuffer(surfaces, surface, dx, dy, -1.0)
 
 
 @tile_kernel

@@ -12,7 +12,7 @@
 Stages, with K layers that are not empty out of L, S depth buffers of the first pass, N lens points, c in px:
 "bounds" (L + 1,) c; "source_coc", "source_triangle" (S, H, W): first pass; "layer_number" (K,); "layer_interval" (K, 2)
 c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "layer_surface" (K, H, W, 3 or 13):
-linear RGB or attributes (`refdof.raster.rays.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2),
+linear RGB or attributes (`refdof.raster.rays.gbuffer`); "culled" (K, H, W); "lens_points" (sets, N, 2),
 "lens_weights" (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves
 the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N):
@@ -72,7 +72,7 @@ from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Fields, Search, fields_of
 from refdof.optics.lens_samples import PATTERNS, lens_samples
 from refdof.optics.pixel_samples import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
-from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of
 from refdof.raster.rays.layer_color import colors_of
 from refdof.trace import Trace
 from refdof.view import View
@@ -281,14 +281,14 @@ def _choice(view: View, params: Params) -> dict[str, Any]:
 
 def _texel_bytes(params: Params) -> int:
     """Memory per texel of a layer: heights, triangles, search structures, colours or attributes, and their mipmaps."""
-    channels = ATTRIBUTES if params.view_dependent else 3
+    channels = GBUFFER_CHANNELS if params.view_dependent else 3
     mipped = channels + 2 + (0 if params.wall_px == np.inf else channels + 1)
     return 20 + 4 * channels + (0 if params.cones == "none" else 11 * mipped)
 
 
 def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     """Step 2: colours (K, H, W, 3) or attributes (K, H, W, 13) of the layers."""
-    make = attributes_of if params.view_dependent else colors_of
+    make = gbuffer_of if params.view_dependent else colors_of
     return view.product(
         f"multiview {make.__name__} {_choice(view, params)}",
         lambda: make(view.surfaces(), view.projection(), layers.triangle),

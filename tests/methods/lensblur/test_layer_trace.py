@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from refdof import Light, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
 from refdof.optics.pixel_samples import LensPattern
-from refdof.raster.rays.attributes import ATTRIBUTES
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS
 from tests import stage
 
 pytestmark = pytest.mark.fast
@@ -204,7 +204,7 @@ def test_attributes_are_shaded_along_the_ray():
     # A mirror that faces the viewer, and a sun to the right and above. The ray that ends at (ax, ay) comes back along
     # ((ax - 2) / P, (2 - ay) / P, 1).
     light = Light((0.6, 0.48, 0.64), sun=(1.0, 1.0, 1.0), sky=(0, 0, 0), ground=(0, 0, 0))
-    values = np.zeros((1, 4, 4, ATTRIBUTES), np.float32)
+    values = np.zeros((1, 4, 4, GBUFFER_CHANNELS), np.float32)
     values[..., 8], values[..., 9:12], values[..., 12] = 1.0, 1.0, 3.0
     image = trace(np.full((1, 4, 4), 2.0), values, (0.125, 0.25), 1.0, light=light).image[..., 0]
     x, y = np.arange(4) + 0.5 - 0.125, np.arange(4) + 0.5 + 0.25  # at u = 0

@@ -5,7 +5,7 @@ import pytest
 
 from refdof import Part, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.raster.rays.peel import _insert
+from refdof.raster.rays.exact_layers import _insert
 from refdof.raster.rays.umbra import umbra_step
 from tests import stage
 

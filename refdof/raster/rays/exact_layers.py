@@ -22,12 +22,12 @@ import numpy as np
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
 from refdof.optics.projection import Projection
-from refdof.raster.rays.raycast import Tracer, new_collector
+from refdof.raster.rays.embree import Tracer, new_collector
 from refdof.raster.rays.shading import shade, shading_normal
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
 from refdof.raster.rays.umbra import reach_beyond
 
-__all__ = ["Layers", "count_surfaces", "peel"]
+__all__ = ["Layers", "count_surfaces", "exact_layers"]
 
 _FIRST_CAPACITY = 256
 _ROWS_PER_TASK = 8
@@ -49,7 +49,7 @@ class Layers(NamedTuple):
     triangle: Index
 
 
-def peel(
+def exact_layers(
     surfaces: Surfaces, tracer: Tracer, projection: Projection, count: int | None = None, umbra_step: float = 0.0
 ) -> Layers:
     """The nearest `count` surfaces at every pixel centre; None: as many as the deepest pixel has.
@@ -100,7 +100,7 @@ def _run(surfaces: Surfaces, tracer: Tracer, projection: Projection, layers: Lay
         last, capacity = min(first + _ROWS_PER_TASK, projection.height), _FIRST_CAPACITY
         while True:
             memory = new_collector(capacity)
-            found = _peel_rows(
+            found = _layers_of_rows(
                 surfaces, tracer.scene, tracer.single, projection, umbra_step, first, last, memory, layers, counts
             )
             if found <= capacity:
@@ -112,7 +112,7 @@ def _run(surfaces: Surfaces, tracer: Tracer, projection: Projection, layers: Lay
 
 
 @tile_kernel
-def _peel_rows(surfaces, scene, single, projection, umbra_step, first, last, memory, layers, counts):
+def _layers_of_rows(surfaces, scene, single, projection, umbra_step, first, last, memory, layers, counts):
     """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel."""
     surfaces = borrow_surfaces(surfaces)
     capacity = memory.room

@@ -7,7 +7,7 @@ import pytest
 
 from refdof import Light, Material, Part, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of, shade_attributes
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of, shade_gbuffer
 from tests import stage
 
 pytestmark = pytest.mark.fast
@@ -19,7 +19,7 @@ FLOAT32 = 2.0**-23
 def shade_all(surfaces, attributes, directions):
     out = np.empty((len(attributes), 3))
     for k in range(len(attributes)):
-        out[k, 0], out[k, 1], out[k, 2] = shade_attributes(
+        out[k, 0], out[k, 1], out[k, 2] = shade_gbuffer(
             surfaces, attributes[k], directions[k, 0], directions[k, 1], directions[k, 2]
         )
     return out
@@ -45,7 +45,7 @@ def test_same_colours_as_shading_at_once():
         parts.append(Part(corners, [[0, 1, 2]], material, random.random((3, 2)), random.random((3, 3)), normal))
     view = View(stage.scene_of(parts, shot), shot, ThinLens(0.1, 2.0))
     layers = view.layers(3)
-    attributes = attributes_of(view.surfaces(), view.projection(), layers.triangle)
+    attributes = gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
     filled = layers.triangle >= 0
     assert len(np.unique(layers.triangle[filled])) == 3
     right, up = stage.tangents(16, 12, 12.0)
@@ -60,7 +60,7 @@ def test_by_hand():
     shot = stage.camera(4, 4, 4.0)
     light = Light((0, 0, 1), sun=(2.0, 1.0, 0.5), sky=(0.5, 0.25, 1.0), ground=(0.5, 0.25, 1.0))
     surfaces = View(stage.scene_of([], shot, light=light), shot, ThinLens(0.1, 2.0)).surfaces()
-    a = np.zeros((1, ATTRIBUTES), dtype=np.float32)
+    a = np.zeros((1, GBUFFER_CHANNELS), dtype=np.float32)
     a[0, 0:3], a[0, 3:6] = (0.5, 0.25, 1.0), (0.0, 0.125, 0.0)
     a[0, 6:9] = (0.0, 0.0, 0.25)  # an average: shorter than 1
     a[0, 9:12], a[0, 12] = (0.5, 0.5, 0.5), 4.0

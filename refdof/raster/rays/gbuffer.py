@@ -1,4 +1,4 @@
-"""Attributes: what a layer stores so that its surfaces can be shaded later, against rays other than the pinhole's.
+"""G-buffer: what a layer stores so that its surfaces can be shaded later, against rays other than the pinhole's.
 
 One formula shades every material (`refdof.scene.scene`): albedo E(n) + emission + specular (...). An unlit surface has
 its colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
@@ -21,15 +21,15 @@ from refdof.raster.rays.shading import lit, shading_normal, surface_color
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 from refdof.scene.scene import SHADINGS
 
-__all__ = ["ATTRIBUTES", "attributes_of", "shade_attributes"]
+__all__ = ["GBUFFER_CHANNELS", "gbuffer_of", "shade_gbuffer"]
 
 # Channels: albedo (3), emission (3), normal (3, camera space, towards the viewer), specular (3), shininess.
-ATTRIBUTES = 13
+GBUFFER_CHANNELS = 13
 _ALBEDO, _EMISSION, _NORMAL, _SPECULAR, _SHININESS = 0, 3, 6, 9, 12
 _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 
 
-def attributes_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> Float:
+def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> Float:
     """Attributes of triangles at the pixel centres.
 
     Parameters
@@ -43,7 +43,7 @@ def attributes_of(surfaces: Surfaces, projection: Projection, triangle: Index) -
     (N, H, W, 13) float32
         Zeros where empty.
     """
-    out = np.zeros((*triangle.shape, ATTRIBUTES), dtype=np.float32)
+    out = np.zeros((*triangle.shape, GBUFFER_CHANNELS), dtype=np.float32)
     _fill(surfaces, projection, triangle, out)
     return out
 
@@ -72,7 +72,7 @@ def _fill(surfaces, projection, triangle, out):
 
 
 @inline
-def shade_attributes(surfaces, a, dx, dy, dz):
+def shade_gbuffer(surfaces, a, dx, dy, dz):
     """Linear RGB of a surface with attributes `a` (13,) against the ray direction (dx, dy, dz).
 
     The normal may have any length, as averages have.
