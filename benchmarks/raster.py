@@ -33,8 +33,8 @@ from refdof.raster.filters.halving import halve_gaussian
 from refdof.raster.filters.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.filters.nbuffer import n_buffer, query
 from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.gpu.texture import bilinear, trilinear
-from refdof.raster.gpu.triangles import rasterize
 from tests.gl import shader
 
 BANDWIDTH_TARGET = 3.0  # times the limit

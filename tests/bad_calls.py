@@ -28,7 +28,7 @@ from refdof.raster.filters import mipmap, nbuffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.rays import umbra
 from refdof.rendering import make_params, render_view
 from refdof.scene.load import load_scene
@@ -303,7 +303,7 @@ DOORS: dict[str, Door] = {
         {"u": ("u, v, lod",), "v": ("u, v, lod",), "lod": ("u, v, lod",)},
         True,
     ),
-    "refdof.raster.gpu.triangles.rasterize": Door(
+    "refdof.raster.gpu.rasterize.rasterize": Door(
         _with(rasterize),
         _RASTER | {"previous_depth": None},
         {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
@@ -383,7 +383,7 @@ INNER_MODULES = {
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
-    "raster.gpu.bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
+    "raster.gpu.tile_bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
     "raster.filters.bilinear", "raster.filters.halving", "raster.filters.squares",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.quick_blurs",
@@ -416,7 +416,7 @@ INNER = {
     "refdof.raster.filters.nbuffer.lowest_in",
     "refdof.raster.gpu.texture.as_texture",
     "refdof.raster.gpu.texture.at_texels",
-    "refdof.raster.gpu.triangles.Raster",
+    "refdof.raster.gpu.rasterize.Raster",
     "refdof.raster.rays.umbra.reach_beyond",
     "refdof.truth.reference.Reference",
     "refdof.truth.reference.as_most",

@@ -11,7 +11,7 @@ from refdof._jit import thread_count, use_threads
 from refdof.raster.gpu.ambiguity import ambiguous_pixels
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import LLVMPIPE, GpuModel
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.rays.umbra import survivors, umbra_step
 from tests.raster.gpu import naive_raster as naive
 

@@ -1,7 +1,7 @@
 """Triangles to pixels as a GPU draws them: clip, project, snap, cover by integer edge functions, keep the nearest.
 
 1. clip, project and snap every triangle         `refdof.raster.gpu.clip`
-2. sort the pieces into tiles                    `refdof.raster.gpu.bins`
+2. sort the clipped triangles into tiles                    `refdof.raster.gpu.tile_bins`
 3. cover each tile's pixel centres               `_draw_tile`, edge functions [1]
 4. depth and barycentrics of the triangle's plane `_plane`, homogeneous [2]
 5. store depth, keep the nearest                 `_keep`, `refdof.raster.gpu.depth_format`
@@ -35,10 +35,10 @@ from refdof._check import (
 )
 from refdof._jit import inline, run_tasks, tile_kernel
 from refdof.optics.camera import Camera
-from refdof.raster.gpu.bins import TILE_PX, bins_of
-from refdof.raster.gpu.clip import pieces_of, snapped
+from refdof.raster.gpu.clip import clip_triangles, snapped
 from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.tile_bins import TILE_PX, bin_triangles
 
 __all__ = ["FINEST_BITS", "NEAR", "Raster", "rasterize"]
 
@@ -138,8 +138,8 @@ def rasterize(
     vertices, near, far = np.ldexp(vertices, -exponent), _scaled(near, -exponent), _scaled(far, -exponent)
     code = depth_code(depth_format, near, far)
     previous = keys_of(np.ldexp(previous, -exponent), code)
-    pieces = pieces_of(vertices, faces, camera, near, bits, exact)
-    bins = bins_of(pieces, camera.width, camera.height)
+    clipped = clip_triangles(vertices, faces, camera, near, bits, exact)
+    tile_bins = bin_triangles(clipped, camera.width, camera.height)
     raster = Raster(
         np.full(shape, np.inf, dtype=key_kind), np.full(shape, -1, dtype=np.int32), np.zeros((*shape, 2), dtype=kind)
     )
@@ -148,11 +148,11 @@ def rasterize(
     typed, scale = vertices.astype(kind), 1.0 / camera.pixels_per_tangent
 
     def draw_row(row: int) -> None:
-        for column in range(bins.columns):
-            tile = row * bins.columns + column
-            chosen = bins.piece[bins.first[tile] : bins.first[tile + 1]]
+        for column in range(tile_bins.columns):
+            tile = row * tile_bins.columns + column
+            chosen = tile_bins.triangle[tile_bins.first[tile] : tile_bins.first[tile + 1]]
             if len(chosen):
-                _draw_tile(typed, faces, pieces, chosen, row, column, bits, near, far, code, scale, previous, raster)
+                _draw_tile(typed, faces, clipped, chosen, row, column, bits, near, far, code, scale, previous, raster)
 
     run_tasks(draw_row, range(-(-camera.height // TILE_PX)))
     return raster._replace(depth=np.ldexp(depths_of(raster.depth, code), exponent))
@@ -166,29 +166,29 @@ def _scaled(length: float, exponent: int) -> float:
 
 
 @tile_kernel
-def _draw_tile(vertices, faces, pieces, chosen, row, column, bits, near, far, code, scale, previous, raster):
-    """Draw the `chosen` pieces, ascending, into the pixels of one tile. The arrays' type is the precision.
+def _draw_tile(vertices, faces, clipped, chosen, row, column, bits, near, far, code, scale, previous, raster):
+    """Draw the `chosen` clipped triangles, ascending, into the pixels of one tile. The arrays' type is the precision.
 
     raster.depth and `previous` hold keys.
     """
     height, width = raster.depth.shape
     plane, ray = np.empty(11, dtype=vertices.dtype), np.empty(2, dtype=vertices.dtype)
     for n in chosen:
-        first_x, last_x = max(pieces.box[n, 0], column * TILE_PX), min(pieces.box[n, 1], (column + 1) * TILE_PX - 1)
-        first_y, last_y = max(pieces.box[n, 2], row * TILE_PX), min(pieces.box[n, 3], (row + 1) * TILE_PX - 1)
-        u_row, u_x, u_y = _edge(pieces.corner[n], 2, 4, first_x, first_y, bits)
-        v_row, v_x, v_y = _edge(pieces.corner[n], 4, 0, first_x, first_y, bits)
-        w_row, w_x, w_y = _edge(pieces.corner[n], 0, 2, first_x, first_y, bits)
+        first_x, last_x = max(clipped.box[n, 0], column * TILE_PX), min(clipped.box[n, 1], (column + 1) * TILE_PX - 1)
+        first_y, last_y = max(clipped.box[n, 2], row * TILE_PX), min(clipped.box[n, 3], (row + 1) * TILE_PX - 1)
+        u_row, u_x, u_y = _edge(clipped.corner[n], 2, 4, first_x, first_y, bits)
+        v_row, v_x, v_y = _edge(clipped.corner[n], 4, 0, first_x, first_y, bits)
+        w_row, w_x, w_y = _edge(clipped.corner[n], 0, 2, first_x, first_y, bits)
         ready = False
         for y in range(first_y, last_y + 1):
             u, v, w = u_row, v_row, w_row
             for x in range(first_x, last_x + 1):
                 if (u | v | w) >= 0:  # none is negative
                     if not ready:
-                        _plane(vertices, faces[pieces.face[n]], near, plane)
+                        _plane(vertices, faces[clipped.face[n]], near, plane)
                         ready = True
                     ray[0], ray[1] = (x + 0.5 - 0.5 * width) * scale, (0.5 * height - y - 0.5) * scale
-                    _keep(plane, ray, pieces.face[n], x, y, far, code, previous, raster)
+                    _keep(plane, ray, clipped.face[n], x, y, far, code, previous, raster)
                 u, v, w = u + u_x, v + v_x, w + w_x
             u_row, v_row, w_row = u_row + u_y, v_row + v_y, w_row + w_y
 
