@@ -24,7 +24,7 @@ from refdof.methods import cascaded
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_pattern
-from refdof.raster.filters import mipmap, nbuffer
+from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
@@ -264,19 +264,21 @@ DOORS: dict[str, Door] = {
         {"depth": DEPTH, "bounds": np.array([1.0, 2.0, 5.0]), "boundary": "extrapolate", "dtype": np.float32},
     ),
     "refdof.methods.cascaded.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
-    "refdof.raster.filters.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
-    "refdof.raster.filters.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
-    "refdof.raster.filters.mipmap.gaussian_mipmaps": Door(
-        mipmap.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True
+    "refdof.raster.filters.mip_chain.box_mipmaps": Door(mip_chain.box_mipmaps, {"image": COLOR}, any_result=True),
+    "refdof.raster.filters.mip_chain.extreme_mipmaps": Door(
+        mip_chain.extreme_mipmaps, {"depth": DEPTH}, any_result=True
     ),
-    "refdof.raster.filters.mipmap.generate_mipmaps": Door(mipmap.generate_mipmaps, _TEXTURE, any_result=True),
-    "refdof.raster.filters.nbuffer.n_buffer": Door(
-        nbuffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
+    "refdof.raster.filters.mip_chain.gaussian_mipmaps": Door(
+        mip_chain.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True
     ),
-    "refdof.raster.filters.nbuffer.query": Door(
-        nbuffer.query,
+    "refdof.raster.filters.mip_chain.generate_mipmaps": Door(mip_chain.generate_mipmaps, _TEXTURE, any_result=True),
+    "refdof.raster.filters.n_buffer.n_buffer": Door(
+        n_buffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
+    ),
+    "refdof.raster.filters.n_buffer.query": Door(
+        n_buffer.query,
         {
-            "nbuffer": nbuffer.n_buffer(DEPTH),
+            "nbuffer": n_buffer.n_buffer(DEPTH),
             "x0": INDICES,
             "y0": INDICES,
             "x1": INDICES,
@@ -384,7 +386,7 @@ INNER_MODULES = {
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.tile_bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
-    "raster.filters.bilinear", "raster.filters.halving", "raster.filters.squares",
+    "raster.filters.bilinear", "raster.filters.downsample", "raster.filters.n_buffer_levels",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.quick_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
@@ -410,10 +412,10 @@ INNER = {
     "refdof.image.noise_floor.noise_moments",
     "refdof.raster.gpu.ambiguity.tied_depths",
     "refdof.methods.cascaded.matting.matte",
-    "refdof.raster.filters.nbuffer.Extremes",
-    "refdof.raster.filters.nbuffer.NBuffer",
-    "refdof.raster.filters.nbuffer.highest_in",
-    "refdof.raster.filters.nbuffer.lowest_in",
+    "refdof.raster.filters.n_buffer.Extremes",
+    "refdof.raster.filters.n_buffer.NBuffer",
+    "refdof.raster.filters.n_buffer.highest_in",
+    "refdof.raster.filters.n_buffer.lowest_in",
     "refdof.raster.gpu.texture.as_texture",
     "refdof.raster.gpu.texture.at_texels",
     "refdof.raster.gpu.rasterize.Raster",

@@ -37,7 +37,7 @@ from refdof._jit.texel_registers import blend_texels
 from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.filters.bilinear import texels_around
-from refdof.raster.filters.mipmap import box_mipmaps
+from refdof.raster.filters.mip_chain import box_mipmaps
 from refdof.trace import Trace
 from refdof.view import View
 

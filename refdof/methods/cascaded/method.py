@@ -67,7 +67,7 @@ from refdof.methods.cascaded.matting import RAMPS
 from refdof.methods.cascaded.quick_blurs import box_blur, pyramid_blur
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.raster.filters.nbuffer import n_buffer
+from refdof.raster.filters.n_buffer import n_buffer
 from refdof.trace import Trace
 from refdof.view import View
 

@@ -1,7 +1,7 @@
 """Footprint: the part of the picture under all rays of a pixel, and the range of inverse depths in which they can hit.
 
 1. bound the rays' places between two depths                       `thin_lens_bounds`, `ray_bounds`
-2. look up the nearest and the farthest surface in those bounds    `refdof.raster.filters.nbuffer`
+2. look up the nearest and the farthest surface in those bounds    `refdof.raster.filters.n_buffer`
 3. cut the rays to that range, and begin again                     `narrow`
 
 Rays are those of `refdof.methods.lensblur.texel_walk`: affine in u, inverse depth in pixels of parallax. Every cut
@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from refdof._jit import inline
-from refdof.raster.filters.nbuffer import highest_in, lowest_in
+from refdof.raster.filters.n_buffer import highest_in, lowest_in
 
 __all__ = ["narrow", "ray_bounds", "thin_lens_bounds"]
 

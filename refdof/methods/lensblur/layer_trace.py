@@ -22,7 +22,7 @@ from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
-from refdof.raster.filters.nbuffer import n_buffer
+from refdof.raster.filters.n_buffer import n_buffer
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 

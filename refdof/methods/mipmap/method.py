@@ -1,7 +1,8 @@
 """Mipmap interpolation: every pixel reads a mip level as coarse as its blur, made without leaks from sharp pixels.
 
 1. Take the circle of confusion as degree of blur                           `blur`
-2. Build mip levels of circles, and of colour without what is sharper       `refdof.methods.mipmap.anisotropic.halve`
+2. Build mip levels of circles, and of colour without what is sharper
+   `refdof.methods.mipmap.anisotropic.downsample`
 3. Find the blur of nearer neighbours at the last level
    `refdof.methods.mipmap.anisotropic.foreground_blur`
 4. Magnify it, and read the degree of blur as coarse as that                `refdof.methods.mipmap.magnify.smooth_blur`
@@ -45,7 +46,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
 from refdof.methods._images import as_images, within
-from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
+from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
 from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.trace import Trace
@@ -157,7 +158,7 @@ def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
     begin(color, coc, colors.level(0), circles.level(0))  # four channels are one register
     _round(circles.level(0), params)
     for k in range(last):
-        halve(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
+        downsample(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
         _round(circles.level(k + 1), params)
     points = params.foreground_points if last else 0
     if points:

@@ -11,7 +11,7 @@ from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, texture_reads
 from refdof.methods.mipmap.anisotropic import foreground_blur, halve
-from refdof.raster.filters.mipmap import gaussian_mipmaps
+from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.trace import Trace
 from tests import stage

@@ -16,7 +16,13 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_number
 from refdof._jit import kernel, prange
-from refdof.raster.filters.halving import halve_box, halve_gaussian, halve_highest, halve_linear, halve_lowest
+from refdof.raster.filters.downsample import (
+    downsample_box,
+    downsample_gaussian,
+    downsample_highest,
+    downsample_linear,
+    downsample_lowest,
+)
 from refdof.raster.gpu.filters import fused_multiply_add
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.texture import as_texture, at_texels
@@ -52,7 +58,7 @@ def generate_mipmaps(image: Any, model: GpuModel = EXACT) -> list[Any]:
     while max(levels[-1].shape[:2]) > 1:
         fine = levels[-1]
         if model == EXACT and fine.dtype != np.uint8 and all(n == 1 or n % 2 == 0 for n in fine.shape[:2]):
-            levels.append(_halved(halve_linear, fine))
+            levels.append(_downsampled(downsample_linear, fine))
             continue
         places = _drawn_centres(fine) if model.drawn_mipmaps else _centres(fine, model)
         level = at_texels(fine, *places, model)
@@ -82,18 +88,18 @@ def box_mipmaps(image: Any) -> list[Float]:
     """
     levels = [_as_floats(image)]
     while max(levels[-1].shape[:2]) > 1:
-        levels.append(_halved(halve_box, levels[-1]))
+        levels.append(_downsampled(downsample_box, levels[-1]))
     return levels
 
 
-def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, std: float = 1.0) -> list[Float]:
+def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, deviation: float = 1.0) -> list[Float]:
     """Equation (1) of [1]: nine bilinear reads a finer texel apart, around each coarse texel's centre.
 
     Parameters
     ----------
     image : (H, W, C) float32 or float64 (only with `EXACT`)
     model : GpuModel
-    std : float > 0
+    deviation : float > 0
         Of the Gaussian [finer texels]; [1] does not give it, nor the places of the reads.
 
     Returns
@@ -104,17 +110,17 @@ def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, std: float = 1.0) -> l
     Raises
     ------
     InputError
-        If the image is not a texture of floats, or `std` is not above 0.
+        If the image is not a texture of floats, or `deviation` is not above 0.
     """
     levels = [_as_floats(as_texture("image", image, model))]
-    std = as_number("std", std, above=0.0)
-    side = math.exp(-0.5 / std / std)
+    deviation = as_number("deviation", deviation, above=0.0)
+    side = math.exp(-0.5 / deviation / deviation)
     weights = np.array([side, 1.0, side]) / (1.0 + 2.0 * side)
     nine = np.outer(weights, weights).astype(levels[0].dtype).ravel()
     while max(levels[-1].shape[:2]) > 1:
         fine = levels[-1]
         if model == EXACT and nine.all() and fine.shape[0] % 2 == fine.shape[1] % 2 == 0:
-            levels.append(_halved(halve_gaussian, fine, nine))
+            levels.append(_downsampled(downsample_gaussian, fine, nine))
             continue
         x, y = _centres(fine, model)
         own = x.dtype.type
@@ -136,7 +142,7 @@ def extreme_mipmaps(depth: Any) -> tuple[list[Float], list[Float]]:
     Parameters
     ----------
     depth : (H, W) float32 or float64
-        Any values; infinite ones are empty, as in `refdof.raster.filters.nbuffer`.
+        Any values; infinite ones are empty, as in `refdof.raster.filters.n_buffer`.
 
     Returns
     -------
@@ -154,9 +160,9 @@ def extreme_mipmaps(depth: Any) -> tuple[list[Float], list[Float]]:
     infinity, empty = depth.dtype.type(np.inf), np.isinf(depth)
     lowest, highest = [np.where(empty, infinity, depth)], [np.where(empty, -infinity, depth)]
     while max(lowest[-1].shape) > 1:
-        for levels, halve in ((lowest, halve_lowest), (highest, halve_highest)):
+        for levels, downsample in ((lowest, downsample_lowest), (highest, downsample_highest)):
             levels.append(np.empty(_half(levels[-1]), dtype=depth.dtype))
-            halve(*levels[-2:])
+            downsample(*levels[-2:])
     return lowest, highest
 
 
@@ -167,12 +173,12 @@ def _as_floats(image: Any) -> Float:
     return image
 
 
-def _halved(halve: Any, fine: Float, *arguments: Any) -> Float:
-    """One coarser level by a kernel of `refdof.raster.filters.halving`."""
+def _downsampled(downsample: Any, fine: Float, *arguments: Any) -> Float:
+    """One coarser level by a kernel of `refdof.raster.filters.downsample`."""
     height, _, channels = fine.shape
     out = np.empty((*_half(fine), channels), dtype=fine.dtype)
     with np.errstate(over="ignore", invalid="ignore"):  # infinite texels, or sums beyond the type
-        halve(fine.reshape(height, -1), channels, *arguments, out.reshape(len(out), -1))
+        downsample(fine.reshape(height, -1), channels, *arguments, out.reshape(len(out), -1))
     return out
 
 

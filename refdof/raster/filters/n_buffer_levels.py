@@ -1,4 +1,4 @@
-"""Squares of pixels and their extremes: the levels of an N-buffer, each from the one before.
+"""Levels of an N-buffer: squares of pixels and their extremes, each from the one before.
 
 1. extremes of every pixel or block over all layers    `bottom_lowest`, `bottom_highest`
 2. squares of twice the side                           `double_lowest`, `double_highest`

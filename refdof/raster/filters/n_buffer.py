@@ -34,7 +34,13 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_bool, as_choice, as_float, as_index, as_integer, shape_of
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.raster.filters.squares import bottom_highest, bottom_lowest, double_highest, double_lowest, extremes_of_four
+from refdof.raster.filters.n_buffer_levels import (
+    bottom_highest,
+    bottom_lowest,
+    double_highest,
+    double_lowest,
+    extremes_of_four,
+)
 
 __all__ = ["Extremes", "NBuffer", "highest_in", "lowest_in", "n_buffer", "query"]
 

@@ -1,13 +1,13 @@
-"""Halving: one mip level from the finer one, row by row, for pipelines that round exactly.
+"""Downsampling: one mip level from the finer one, row by row, for pipelines that round exactly.
 
 Rows are flat, (H, W C): texel x of a row starts at x C. The same bits as the reads of `refdof.raster.gpu.texture` at
 the coarser texels' centres, which of even sizes lie midway between four finer texels. Its strict rules differ from
 plain arithmetic only where that gives infinities or NaN: such texels are read again by the rules.
 
-1. means of four texels                      `halve_box`
-2. bilinear reads midway between four        `halve_linear`
-3. nine such reads, weighted                 `halve_gaussian`
-4. least and greatest texels                 `halve_lowest`, `halve_highest`
+1. means of four texels                      `downsample_box`
+2. bilinear reads midway between four        `downsample_linear`
+3. nine such reads, weighted                 `downsample_gaussian`
+4. least and greatest texels                 `downsample_lowest`, `downsample_highest`
 """
 
 import numpy as np
@@ -16,22 +16,22 @@ from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.row_registers import blend_along, blend_squares, mean_squares
 from refdof.raster.gpu.filters import Rules, lerp
 
-__all__ = ["halve_box", "halve_gaussian", "halve_highest", "halve_linear", "halve_lowest"]
+__all__ = ["downsample_box", "downsample_gaussian", "downsample_highest", "downsample_linear", "downsample_lowest"]
 
 _BAND, _STRIP = 16, 128  # coarse rows and texels of a tile: its blends stay in the nearest cache
 _STRICT = Rules(strict=True, fused=False, flush=False)
 
 
 @kernel
-def halve_box(fine, channels, out):
-    """Means of 2 x 2 texels: fine (H, W C) -> out (h, w C). A size of 1 counts twice, the last of an odd one not."""
+def downsample_box(fine, channels, out):
+    """Means of 2 x 2 texels: fine (H, W C) -> out (h, w C). Size 1 is duplicated; an odd trailing row is dropped."""
     down = min(len(fine) - 1, 1)
     for y in prange(len(out)):
         _squares(borrow(fine)[2 * y], borrow(fine)[2 * y + down], channels, True, borrow(out)[y])
 
 
 @kernel
-def halve_linear(fine, channels, out):
+def downsample_linear(fine, channels, out):
     """Reads midway between 2 x 2 texels: fine (H, W C) -> out (h, w C). Sizes are even, or 1."""
     down = min(len(fine) - 1, 1)
     for y in prange(len(out)):
@@ -44,7 +44,7 @@ def halve_linear(fine, channels, out):
 
 
 @kernel
-def halve_gaussian(fine, channels, weights, out):
+def downsample_gaussian(fine, channels, weights, out):
     """Nine reads midway between 2 x 2 texels, a texel apart: fine (H, W C) -> out (h, w C). Sizes are even.
 
     weights (9,) of the image's type, row by row, all above 0.
@@ -59,7 +59,7 @@ def halve_gaussian(fine, channels, weights, out):
 
 
 @kernel
-def halve_lowest(fine, out):
+def downsample_lowest(fine, out):
     """Least of the finer texels that a coarser one covers: (H, W) -> (h, w); the last of an odd size joins the last."""
     for y in prange(len(out)):
         texels, row = borrow(fine), borrow(out)[y]
@@ -71,8 +71,8 @@ def halve_lowest(fine, out):
 
 
 @kernel
-def halve_highest(fine, out):
-    """As `halve_lowest`, for the greatest."""
+def downsample_highest(fine, out):
+    """As `downsample_lowest`, for the greatest."""
     for y in prange(len(out)):
         texels, row = borrow(fine), borrow(out)[y]
         row[:] = -np.inf

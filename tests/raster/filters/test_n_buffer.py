@@ -11,8 +11,8 @@ from scipy import ndimage
 
 from refdof._check import InputError
 from refdof._jit import thread_count, tile_kernel, use_threads
-from refdof.raster.filters.nbuffer import highest_in, lowest_in, n_buffer, query
-from tests.raster.filters import naive_nbuffer
+from refdof.raster.filters.n_buffer import highest_in, lowest_in, n_buffer, query
+from tests.raster.filters import naive_n_buffer
 
 pytestmark = pytest.mark.fast
 
@@ -51,15 +51,15 @@ def ask(buffer, x0, y0, x1, y1, exact=False):
 @given(picture_and_rectangle())
 def test_exact_query_is_brute_force(case):
     depth, *rectangle = case
-    assert ask(n_buffer(depth), *rectangle, exact=True) == naive_nbuffer.extremes_in(depth, *rectangle)
+    assert ask(n_buffer(depth), *rectangle, exact=True) == naive_n_buffer.extremes_in(depth, *rectangle)
 
 
 @given(picture_and_rectangle(), st.integers(1, 25))
 def test_too_few_levels_cost_look_ups_but_not_truth(case, largest):
     depth, *rectangle = case
     few = n_buffer(depth, largest=largest)
-    assert ask(few, *rectangle, exact=True) == naive_nbuffer.extremes_in(depth, *rectangle)
-    least, greatest = naive_nbuffer.extremes_in(depth, *rectangle)
+    assert ask(few, *rectangle, exact=True) == naive_n_buffer.extremes_in(depth, *rectangle)
+    least, greatest = naive_n_buffer.extremes_in(depth, *rectangle)
     found = ask(few, *rectangle)
     assert found[0] <= least
     assert found[1] >= greatest
@@ -68,8 +68,8 @@ def test_too_few_levels_cost_look_ups_but_not_truth(case, largest):
 @given(picture_and_rectangle())
 def test_query_is_the_union_of_four_squares(case):
     depth, *rectangle = case
-    side, corners = naive_nbuffer.four_squares(*rectangle)
-    squares = [naive_nbuffer.extremes_in(depth, x, y, x + side - 1, y + side - 1) for x, y in corners]
+    side, corners = naive_n_buffer.four_squares(*rectangle)
+    squares = [naive_n_buffer.extremes_in(depth, x, y, x + side - 1, y + side - 1) for x, y in corners]
     expected = min(s[0] for s in squares), max(s[1] for s in squares)
     assert ask(n_buffer(depth), *rectangle) == expected
 
@@ -81,7 +81,7 @@ def test_query_is_exact_iff_documented(case):
     height, width = depth.shape
     inside = np.zeros(depth.shape, dtype=bool)
     inside[y0 : y1 + 1, x0 : x1 + 1] = True
-    side, _ = naive_nbuffer.four_squares(x0, y0, x1, y1)
+    side, _ = naive_n_buffer.four_squares(x0, y0, x1, y1)
     past = (x0 + side - 1 > x1 and x1 < width - 1) or (y0 + side - 1 > y1 and y1 < height - 1)
     if side <= min(x1 - x0 + 1, y1 - y0 + 1):
         assert not past
@@ -95,9 +95,9 @@ def test_blocks_answer_for_every_block_they_touch(case, block):
     depth, *rectangle = case
     if max(rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]) == 0:
         x, y = rectangle[0] // block * block, rectangle[1] // block * block
-        expected = naive_nbuffer.extremes_in(depth, x, y, x + block - 1, y + block - 1)
+        expected = naive_n_buffer.extremes_in(depth, x, y, x + block - 1, y + block - 1)
         assert ask(n_buffer(depth, block=block), *rectangle) == expected
-    least, greatest = naive_nbuffer.extremes_in(depth, *rectangle)
+    least, greatest = naive_n_buffer.extremes_in(depth, *rectangle)
     found = ask(n_buffer(depth, block=block), *rectangle)
     assert found[0] <= least
     assert found[1] >= greatest

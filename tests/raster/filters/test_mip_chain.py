@@ -1,4 +1,4 @@
-"""Mip chains of extremes and of coverage against loops; fast halvings against the reads that they stand for."""
+"""Mip chains of extremes and of coverage against loops; fast downsampling against the reads that they stand for."""
 
 import dataclasses
 
@@ -9,10 +9,10 @@ from scipy import ndimage
 from refdof._check import InputError
 from refdof._jit import thread_count, use_threads
 from refdof.methods.multiview.coverage import average_color, coverage_mipmaps
-from refdof.raster.filters.mipmap import box_mipmaps, extreme_mipmaps, gaussian_mipmaps, generate_mipmaps
+from refdof.raster.filters.mip_chain import box_mipmaps, extreme_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.gpu.gpu_model import EXACT
 from refdof.raster.gpu.texture import trilinear
-from tests.raster.filters import naive_mipmap as naive
+from tests.raster.filters import naive_mip_chain as naive
 
 pytestmark = pytest.mark.fast
 
