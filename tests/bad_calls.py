@@ -33,7 +33,7 @@ from refdof.raster.rays import umbra
 from refdof.rendering import make_params, render_view
 from refdof.scene.load import load_scene
 from refdof.scene.mesh_file import load_mesh
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.truth.forecast import forecast_of_view
 from refdof.truth.reference import reference_of_view
 
@@ -379,7 +379,7 @@ for _name, _module in METHODS.items():
 
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report", "trace",
+    "cli", "comparison", "report", "stages",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.projection",
     "image.atomic",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
@@ -501,5 +501,5 @@ def arguments_of(thing: Any) -> set[str]:
 
 
 __all__ = [
-    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "Trace", "arguments_of", "public_names", "replace", "variants",
+    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "StageRecorder", "arguments_of", "public_names", "replace", "variants",
 ]  # fmt: skip

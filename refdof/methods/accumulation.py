@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
 from refdof.methods._contract import Method
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.truth.reference import estimate
 from refdof.truth.tile_sampler import Spend
 from refdof.view import View
@@ -75,7 +75,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     spend = Spend(params.samples, None, params.samples)
     return estimate(view, 1, params.seed, spend, shared_pattern=params.shared_pattern).image

@@ -38,7 +38,7 @@ from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.raster.filters.bilinear import texels_around
 from refdof.raster.filters.mip_chain import box_mipmaps
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -105,7 +105,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
@@ -134,7 +134,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
         above 0.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
 def _units(small: float) -> float:
@@ -142,7 +142,7 @@ def _units(small: float) -> float:
     return 2.0 * len(TAPS) + 9.0 * small
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     code = _code(depth, coc, params).astype(color.dtype)
     coded = np.concatenate([color, code[..., None]], axis=-1)
     small = _shrink(coded)

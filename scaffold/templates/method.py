@@ -23,7 +23,7 @@ from refdof._check import Float, as_instance, as_number
 from refdof._jit import kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
 from refdof.methods._images import as_images, within
-from refdof.trace import Trace
+from refdof.stages import Trace
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]

@@ -47,7 +47,7 @@ from refdof.optics.lens_samples import PATTERNS
 from refdof.optics.pixel_samples import JITTERS, lens_pattern
 from refdof.raster.rays.exact_layers import Layers
 from refdof.raster.rays.gbuffer import gbuffer_of
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "render"]
@@ -139,7 +139,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole = view.pinhole().color
     if view.lens.radius == 0.0:

@@ -49,7 +49,7 @@ from refdof.methods._images import as_images, within
 from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
 from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -110,7 +110,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, coc, params, trace)
@@ -148,10 +148,10 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     color, depth, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:
         raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")
-    return _blur(color, coc, params, Trace())
+    return _blur(color, coc, params, StageRecorder())
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     height, width = coc.shape
     last = _last_level(max(float(coc.max()), -float(coc.min())), width, height)
     circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))

@@ -74,7 +74,7 @@ from refdof.optics.lens_samples import PATTERNS, lens_samples
 from refdof.optics.pixel_samples import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of
 from refdof.raster.rays.layer_color import colors_of
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = [
@@ -204,7 +204,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     layers = _decomposition(view, params, trace)
     surface = _surface(view, layers, params)
@@ -251,7 +251,7 @@ def _skirt(widening: float, layers: Decomposition) -> Float:
     return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
 
 
-def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
+def _decomposition(view: View, params: Params, trace: StageRecorder) -> Decomposition:
     """Step 1: layers of the view."""
     choice = _choice(view, params)
     layers, sources = view.product(
@@ -295,7 +295,7 @@ def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     )
 
 
-def _record_rays(trace: Trace, fields: Fields, pattern: LensPattern, search: Search) -> None:
+def _record_rays(trace: StageRecorder, fields: Fields, pattern: LensPattern, search: Search) -> None:
     """Record what early culling skips and what every ray hits."""
     if not trace.on:
         return

@@ -37,7 +37,7 @@ from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
 from refdof.methods._images import as_images, depth_in_range, within
 from refdof.methods.singlepass.planar import pad_planes, tap_of
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
@@ -88,7 +88,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), view.coc_px()
     trace.record("coc", lambda: coc)

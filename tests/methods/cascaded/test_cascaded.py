@@ -12,7 +12,7 @@ from refdof import InputError, ThinLens, View
 from refdof.methods import cascaded
 from refdof.methods.cascaded import Params, blur_buffers, layering_of
 from refdof.methods.cascaded.layers import cluster_layers, deviation, filter_layers, inverse_coc
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from tests import stage
 from tests.methods.cascaded import naive
 
@@ -65,7 +65,7 @@ def test_picture_is_the_naive_twins(focus, cascade, border, boundary):
 def test_layers_are_the_naive_twins(boundary):
     camera, lens, twin = shot(0.8)
     color, depth = buffers(2)
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     blur_buffers(color, depth, camera, lens, Params(boundary=boundary), trace)
     k_focus, parts = naive.layers(color, depth, twin, boundary)
     assert len(parts) == len(trace.stages["layers"]) >= 5
@@ -166,7 +166,7 @@ def test_a_constant_colour_stays(options):
 def test_unblurred_layers_compose_to_alpha_one():
     camera, lens, _ = shot(0.8)
     color, depth = buffers(5)
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     blur_buffers(color, depth, camera, lens, trace=trace)
     left = np.prod(1.0 - trace.stages["layers"][..., 3], axis=0)
     assert left.max() == 0.0  # one layer has weight 1 at every pixel
@@ -316,13 +316,13 @@ def test_a_background_is_there_once_and_only_buffers_that_exist_count():
     camera = stage.camera(12, 8, 12.0)
     card = stage.rectangle(-0.4, 0.4, -9, 9, 2.0, (0.8, 0.4, 0.2))
     scene = stage.scene_of([card], camera, ThinLens(0.0, 1.0), (0.1, 0.2, 0.3))
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(), trace)
     coordinate = trace.stages["coordinate"]
     assert len(coordinate) == 2  # the card, and what is behind it
     on_card = coordinate[1, 4] >= 0
     assert on_card.sum() == 4  # 4.8 px wide around x = 6: centres 4.5 to 7.5
-    whole = Trace(on=True)
+    whole = StageRecorder(on=True)
     cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(buffers="all"), whole)
     assert np.array_equal(whole.stages["coordinate"], coordinate)
 

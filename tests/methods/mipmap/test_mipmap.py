@@ -13,7 +13,7 @@ from refdof.methods.mipmap import Params, blur, texture_reads
 from refdof.methods.mipmap.anisotropic import foreground_blur, halve
 from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from tests import stage
 from tests.methods.mipmap import naive
 
@@ -33,7 +33,7 @@ def images(seed, height, width, largest=9.0):
 
 
 def stages_of(color, coc, params):
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     return mipmap.method._blur(color, coc, params, trace), trace.stages
 
 
@@ -273,7 +273,7 @@ def test_extreme_circles_stay_finite(largest):
 def test_rendering_records_its_stages():
     shot, lens = stage.camera(24, 18, 24.0), ThinLens(0.5, 4.0)
     view = View(stage.scene_of([stage.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     image = mipmap.render(view, Params(), trace)
     np.testing.assert_allclose(trace.stages["degree"], 3.0, rtol=0, atol=1e-6)  # -3 px on the card, 3 px behind it
     names = ["coc", "degree", "neighbours", "smoothed", "level", "color 1", "color 2"]

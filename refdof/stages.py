@@ -1,13 +1,13 @@
-"""Trace: the stages of a method by name, for whoever ports it. Costs nothing when nobody listens."""
+"""Stages: the arrays of a method by name, for whoever ports it. Costs nothing when nobody listens."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-__all__ = ["Trace"]
+__all__ = ["StageRecorder"]
 
 
-class Trace:
+class StageRecorder:
     """Records arrays under names if `on`; otherwise `record` does not even make them."""
 
     def __init__(self, on: bool = False) -> None:
