@@ -128,7 +128,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
         "source": method.source,
         "reconstruction": method.reconstruction,
         "inputs": method.inputs,
-        "fetch_units": method.reads_per_pixel(width, height),
+        "texture_reads": method.reads_per_pixel(width, height),
         "paper": dict(method.paper),
         "params": method.defaults(),
         "kind": method.kind,

@@ -1,4 +1,4 @@
-"""Fetch accounting: the sums of table 1 in Lee, Kim and Choi (2009), and what `refdof methods` makes of them."""
+"""Texture reads: the sums of table 1 in Lee, Kim and Choi (2009), and what `refdof methods` makes of them."""
 
 import math
 from dataclasses import replace
