@@ -32,7 +32,7 @@ import numpy as np
 from refdof._check import Float, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
-from refdof.methods._images import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.stages import StageRecorder
 from refdof.view import View
 

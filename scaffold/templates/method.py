@@ -22,7 +22,7 @@ import numpy as np
 from refdof._check import Float, as_instance, as_number
 from refdof._jit import kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
-from refdof.methods._images import as_images, within
+from refdof.methods._image_validation import as_images, within
 from refdof.stages import Trace
 from refdof.view import View
 

@@ -230,7 +230,7 @@ def _depth_range(depth: Float) -> tuple[float, float]:
 
 
 def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, trace: StageRecorder) -> Float:
-    """`blur_buffers` behind the gate."""
+    """`blur_buffers` after validation."""
     used = 1 + int(np.flatnonzero(~np.isnan(depth).all(axis=(1, 2)))[-1])
     layering = layering_of(depth, camera, lens, params)
     boundary = "extrapolate" if params.boundary == "extrapolate" else "hard"

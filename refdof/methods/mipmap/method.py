@@ -45,7 +45,7 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
-from refdof.methods._images import as_images, within
+from refdof.methods._image_validation import as_images, within
 from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
 from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store

@@ -41,7 +41,7 @@ import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
 from refdof.methods._contract import LARGEST_RADIUS, Method
-from refdof.methods._images import as_images, within
+from refdof.methods._image_validation import as_images, within
 from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
 from refdof.stages import StageRecorder
 from refdof.view import View

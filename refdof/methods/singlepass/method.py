@@ -35,7 +35,7 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
-from refdof.methods._images import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.singlepass.planar import pad_planes, tap_of
 from refdof.stages import StageRecorder
 from refdof.view import View

@@ -174,7 +174,7 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
 
 
 def _as_rectangles(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any) -> tuple[Index, Index, Index, Index]:
-    """The gate for rectangles: four int64 arrays (K,), inside the image and not inverted."""
+    """Validation of rectangles: four int64 arrays (K,), inside the image and not inverted."""
     x0 = as_index("x0", x0, (None,), end=nbuffer.width)
     y0 = as_index("y0", y0, x0.shape, end=nbuffer.height)
     x1 = as_index("x1", x1, x0.shape, end=nbuffer.width)
@@ -256,7 +256,7 @@ def _level_of(width, height, count, exact):
 def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
     """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
 
-    That part of the gate is here: reading all corners once more would take longer than the answers.
+    That part of the validation is here: reading all corners once more would take longer than the answers.
     """
     count, plane = max(len(lowest), len(highest)), height * width  # without blocks; with them it is not used
     flat_near, flat_far = lowest.reshape(-1), highest.reshape(-1)

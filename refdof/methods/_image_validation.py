@@ -1,4 +1,4 @@
-"""The gate of filters: a pinhole image, its depth and its circles of confusion that belong together."""
+"""Validation for filters: a pinhole image, its depth and its circles of confusion that belong together."""
 
 import numpy as np
 
