@@ -392,7 +392,7 @@ INNER_MODULES = {
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
     "methods.mipmap.anisotropic", "methods.mipmap.magnify",
     "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.gather",
-    "methods.multiview.height_field", "methods.multiview.ray_doubt",
+    "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
     "methods.singlepass.planar",

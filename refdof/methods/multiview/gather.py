@@ -9,8 +9,8 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.methods.multiview.ray_doubt import in_doubt
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
@@ -24,7 +24,7 @@ _ROWS_PER_TASK = 8
 class Hits(NamedTuple):
     """What each ray meets. layer (H, W, N) int32: -1 the background, -2 not known, as the ray leaves the image;
     texel (H, W, N) int32: row * W + column, -1: none; coc (H, W, N): where along the ray [px], inf: nowhere;
-    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.methods.multiview.ray_doubt`).
+    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.methods.multiview.ambiguous_rays`).
     """
 
     layer: Index
@@ -165,7 +165,7 @@ def _hit_rows(fields, points, sets, search, first, last, hits):
                 hits.layer[y, x, n] = ~k if place >= 0 and k < 0 else k
                 hits.texel[y, x, n] = j * fields.coc.shape[2] + i if place >= 0 else -1
                 hits.coc[y, x, n] = c if place >= 0 else np.inf
-                hits.ambiguous[y, x, n] = in_doubt(fields, layers, count, border, px, py, vx, vy, search)
+                hits.ambiguous[y, x, n] = ray_is_ambiguous(fields, layers, count, border, px, py, vx, vy, search)
 
 
 @tile_kernel

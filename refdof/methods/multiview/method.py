@@ -16,8 +16,8 @@ linear RGB or attributes (`refdof.raster.rays.gbuffer`); "culled" (K, H, W); "le
 "lens_weights" (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves
 the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N):
-`refdof.methods.multiview.ray_doubt`. With cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels"
-(M, 3), and hits are the first ones of the cones' middle rays.
+`refdof.methods.multiview.ambiguous_rays`. With cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1),
+"mip_levels" (M, 3), and hits are the first ones of the cones' middle rays.
 
 Departures from the paper
 -------------------------

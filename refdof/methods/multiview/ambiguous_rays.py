@@ -1,7 +1,7 @@
-"""Doubt: rays for which a search by samples may answer otherwise than a walk over every texel.
+"""Ambiguous rays: those for which a search by samples may answer otherwise than a walk over every texel.
 
 Along a ray, a texel is free while the ray is in front of its surface, and blocks from there on. A search that brackets
-the change from free to blocked finds it if there is one change only. A ray is in doubt if in a layer that it visits
+the change from free to blocked finds it if there is one change only. A ray is ambiguous if in a layer that it visits
 
 - texels block and then are free again: the search may never see the block, or may find a later one;
 - walls of any height are surface, and it stays in the texel where it is blocked for less than the search resolves:
@@ -18,14 +18,14 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.multiview.height_field import end_of, first_texel, goes_on, step
 
-__all__ = ["in_doubt"]
+__all__ = ["ray_is_ambiguous"]
 
 _CLOSE = 1e-3  # [px]: roundings of float32 positions up to 8192, and of heights
 
 
 @inline
-def in_doubt(fields, layers, count, border, px, py, vx, vy, search):
-    """Whether the ray at (px - c vx, py + c vy) is in doubt in layers[:count], up to the one it surely hits."""
+def ray_is_ambiguous(fields, layers, count, border, px, py, vx, vy, search):
+    """Whether the ray at (px - c vx, py + c vy) is ambiguous in layers[:count], up to the one it surely hits."""
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     for place in range(count):
         k = layers[place]
@@ -39,15 +39,15 @@ def in_doubt(fields, layers, count, border, px, py, vx, vy, search):
                 return True
             if inner < 0:
                 return False
-        doubt, hit = _in_layer(fields, k, px, py, vx, vy, search)
-        if doubt or hit:
-            return doubt
+        ambiguous, hit = _in_layer(fields, k, px, py, vx, vy, search)
+        if ambiguous or hit:
+            return ambiguous
     return False
 
 
 @inline
 def _in_layer(fields, k, px, py, vx, vy, search):
-    """(doubt, hit) of one layer."""
+    """(ambiguous, hit) of one layer."""
     coc, solid = fields.coc, search.wall == np.inf
     enter, last = np.float64(fields.near[k]), np.float64(end_of(fields.far[k], search.wall))
     finest = max((last - enter) * 0.5**search.bisections, _CLOSE)
