@@ -42,7 +42,7 @@ Departures from the paper
 - Steps between layers that hold nothing are joined: one blur with their variances added.
 - Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
 - Surfaces are exact layers: coplanar duplicates, which depth peeling drops, are kept.
-- Box and pyramid filters and k-means are only named in the paper: see `refdof.methods.cascaded.quick_blurs`,
+- Box and pyramid filters and k-means are only named in the paper: see `refdof.methods.cascaded.fast_blurs`,
   `cluster_layers`.
 
 What lies in the focal plane has weight in the layers next to it, too: with anything in front of it, a copy blurred by
@@ -61,10 +61,10 @@ import numpy as np
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods.cascaded.blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
+from refdof.methods.cascaded.fast_blurs import box_blur, pyramid_blur
 from refdof.methods.cascaded.gaussian import gaussian_blur
 from refdof.methods.cascaded.layers import Layering, cluster_layers, filter_layers, without_foremost
 from refdof.methods.cascaded.matting import RAMPS
-from refdof.methods.cascaded.quick_blurs import box_blur, pyramid_blur
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.raster.filters.n_buffer import n_buffer

@@ -5,8 +5,9 @@
    `refdof.methods.mipmap.anisotropic.downsample`
 3. Find the blur of nearer neighbours at the last level
    `refdof.methods.mipmap.anisotropic.foreground_blur`
-4. Magnify it, and read the degree of blur as coarse as that                `refdof.methods.mipmap.magnify.smooth_blur`
-5. Blend two mip levels of colour at nine points of a circle                `refdof.methods.mipmap.magnify.magnify`
+4. Upsample it, and read the degree of blur as coarse as that
+   `refdof.methods.mipmap.upsample.smooth_blur`
+5. Blend two mip levels of colour at nine points of a circle                `refdof.methods.mipmap.upsample.upsample`
 
 Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" (H, W) px, "level" (H, W),
 "color 1", "color 2", ... (h, w, 3).
@@ -47,7 +48,7 @@ from refdof._check import Float, InputError, as_choice, as_instance, as_integer,
 from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
 from refdof.methods._image_validation import as_images, within
 from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
-from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
+from refdof.methods.mipmap.upsample import CIRCLE, K_SIGMA, smooth_blur, upsample
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.stages import StageRecorder
 from refdof.view import View
@@ -174,7 +175,7 @@ def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Flo
     trace.record("level", lambda: smoothed.levels)
     for k in range(1, last + 1):
         trace.record(f"color {k}", lambda k=k: colors.level(k)[..., :3])  # type: ignore[misc]
-    return magnify(colors, smoothed, params.blend == "geometric")
+    return upsample(colors, smoothed, params.blend == "geometric")
 
 
 def _last_level(largest: float, width: int, height: int) -> int:

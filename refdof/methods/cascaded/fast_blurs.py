@@ -4,8 +4,8 @@ Both have the variance that is asked for and work in place. Outside the image is
 
 - `box_blur`: a mean along x, then along y, by running sums; its rims have a weight between 0 and 1. Costs the same for
   every size.
-- `pyramid_blur`: means of s x s pixels, a Gaussian on those, bilinear magnification; s is a power of two. Block means
-  have the variance (s^2 - 1) / 12 and magnification has (2 s^2 + 1) / 12, s^2 / 4 together; the Gaussian adds the rest.
+- `pyramid_blur`: means of s x s pixels, a Gaussian on those, bilinear upsampling; s is a power of two. Block means
+  have the variance (s^2 - 1) / 12 and upsampling has (2 s^2 + 1) / 12, s^2 / 4 together; the Gaussian adds the rest.
 """
 
 import math
@@ -57,7 +57,7 @@ def pyramid_blur(planes: Float, deviation: float, scratch: Float, clamp: bool = 
     coarse = np.zeros(shape, dtype=planes.dtype)
     _block_means(planes, side, clamp, coarse)
     gaussian_blur(coarse, coarse_deviation, np.empty_like(coarse), clamp)
-    _magnify(coarse, side, planes)
+    _upsample(coarse, side, planes)
 
 
 @kernel
@@ -135,8 +135,8 @@ def _block_means(planes, side, clamp, coarse):
 
 
 @kernel
-def _magnify(coarse, side, out):
-    """Bilinear magnification: coarse (C, h + 2, w + 2) -> out (C, H, W)."""
+def _upsample(coarse, side, out):
+    """Bilinear upsampling: coarse (C, h + 2, w + 2) -> out (C, H, W)."""
     count, height, width = out.shape
     one = out.dtype.type(1)
     for i in prange(count * height):

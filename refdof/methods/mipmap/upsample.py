@@ -1,7 +1,7 @@
-"""Magnification of mip levels with a circular filter: a blur of any width from a few reads of a coarse level.
+"""Upsampling of mip levels with a circular filter: a blur of any width from a few reads of a coarse level.
 
-1. magnify the blur of nearer neighbours, and read blur as coarse as that     `smooth_blur`
-2. read nine points of a circle between two levels of colour                  `magnify`
+1. upsample the blur of nearer neighbours, and read blur as coarse as that     `smooth_blur`
+2. read nine points of a circle between two levels of colour                  `upsample`
 
 References
 ----------
@@ -19,7 +19,7 @@ from refdof._jit.texel_registers import INWARD, read_circle
 from refdof.methods.mipmap.anisotropic import Chain
 from refdof.raster.filters.bilinear import texels_around
 
-__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "magnify", "smooth_blur"]
+__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "smooth_blur", "upsample"]
 
 _ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
 _LOG2_E2 = 2.0 / np.log(2.0)
@@ -52,15 +52,15 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     return blur
 
 
-def magnify(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
+def upsample(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
     """Equation (8): colors (T, 4) -> (H, W, 3)."""
     dtype = colors.texels.dtype
     weights = (_GAUSSIAN / _GAUSSIAN.sum()).astype(dtype)
     tables = _tables(colors)
     if geometric:
-        return _magnify_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
+        return _upsample_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
     out = np.empty((*blur.smoothed.shape, 3), dtype=dtype)
-    _magnify(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
+    _upsample(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
     return out
 
 
@@ -152,7 +152,7 @@ def _levels_of(sigmas, largest, out):
 
 
 @kernel
-def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
+def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
     own = colors.dtype.type
@@ -191,7 +191,7 @@ def _magnify(colors, starts, heights, widths, down, right, smoothed, levels, wei
 
 
 @kernel
-def _magnify_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
+def _upsample_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
     """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
     height, width, last = heights[0], widths[0], len(starts) - 1
     own = colors.dtype.type
