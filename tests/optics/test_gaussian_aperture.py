@@ -11,7 +11,7 @@ import refdof
 from refdof import Aperture, InputError, ThinLens
 from refdof.optics.aperture_sampling import aperture_sampler_of, is_plain_disc, lens_point
 from refdof.optics.lens_samples import PATTERNS, lens_samples
-from tests import stage
+from tests import flat_scene
 
 
 def light_inside(radius, deviation):
@@ -86,10 +86,10 @@ def test_every_pattern_has_equal_weights(pattern):
 @pytest.mark.parametrize("deviation", [0.5, 0.25])
 def test_an_edge_blurs_as_the_cut_gaussian_does(deviation):
     p, width, focus, depth = 24.0, 24, 4.0, 1.0
-    shot = stage.camera(width, 1, p)
-    card = stage.rectangle(-9, 0, -9, 9, depth, (1.0, 1.0, 1.0))
+    shot = flat_scene.camera(width, 1, p)
+    card = flat_scene.rectangle(-9, 0, -9, 9, depth, (1.0, 1.0, 1.0))
     lens = ThinLens(8.0 / (p * 0.75), focus, Aperture.gaussian(deviation))  # circles of -8 px on the card
-    truth = refdof.reference(stage.scene_of([card], shot), shot, lens, samples=4096)
+    truth = refdof.reference(flat_scene.scene_of([card], shot), shot, lens, samples=4096)
     # A pixel at x sees the card through lens points with x + 8 v < 12.
     expected = [edge_profile((12.0 - (x + 0.5)) / 8.0, deviation) for x in range(width)]
     error = np.maximum(truth.standard_error[0, :, 0], 1.0 / 4096)

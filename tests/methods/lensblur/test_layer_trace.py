@@ -12,7 +12,7 @@ from refdof import Light, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
 from refdof.optics.pixel_samples import LensPattern
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS
-from tests import stage
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 BACKGROUND = (0.25, 0.5, 0.75)
@@ -29,8 +29,8 @@ def stack_of(layers, width):
 
 def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None, pinhole=None, **words):
     height, width = parallax.shape[1:]
-    shot = stage.camera(width, height, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND, light=light), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(width, height, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND, light=light), shot, ThinLens(1.0, 1.0))
     lens = np.array(lens, float).reshape(-1, 2)
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
@@ -215,8 +215,8 @@ def test_attributes_are_shaded_along_the_ray():
 
 def test_sets_of_lens_points_go_by_row_and_column():
     # Two by two sets: (column of the set, row of the set) is the pixel's place modulo 2.
-    shot = stage.camera(3, 3, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(3, 3, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
     points = np.zeros((4, 1, 2))
     points[1, 0, 0] = 1.0  # of pixels at odd columns and even rows only
     pattern = LensPattern(points, np.ones((4, 1)), np.array([[0, 1], [2, 3]], np.int32))
@@ -231,8 +231,8 @@ def test_sets_of_lens_points_go_by_row_and_column():
 
 
 def test_all_rays_missed_show_the_pinhole():
-    shot = stage.camera(2, 1, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(2, 1, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
     pattern = LensPattern(np.array([[[-4.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     pinhole = np.float32([[[1, 2, 3], [4, 5, 6]]])
     stack = new_stack(np.full((1, 1, 2), 0.25), 0.0, False)

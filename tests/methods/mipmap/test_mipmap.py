@@ -14,7 +14,7 @@ from refdof.methods.mipmap.anisotropic import foreground_blur, halve
 from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.stages import StageRecorder
-from tests import stage
+from tests import flat_scene
 from tests.methods.mipmap import naive
 
 pytestmark = pytest.mark.fast
@@ -271,8 +271,10 @@ def test_extreme_circles_stay_finite(largest):
 
 
 def test_rendering_records_its_stages():
-    shot, lens = stage.camera(24, 18, 24.0), ThinLens(0.5, 4.0)
-    view = View(stage.scene_of([stage.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
+    shot, lens = flat_scene.camera(24, 18, 24.0), ThinLens(0.5, 4.0)
+    view = View(
+        flat_scene.scene_of([flat_scene.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens
+    )
     trace = StageRecorder(on=True)
     image = mipmap.render(view, Params(), trace)
     np.testing.assert_allclose(trace.stages["degree"], 3.0, rtol=0, atol=1e-6)  # -3 px on the card, 3 px behind it

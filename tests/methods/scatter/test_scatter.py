@@ -12,7 +12,7 @@ from refdof.methods import scatter
 from refdof.methods.scatter import Params, blur, texture_reads
 from refdof.methods.scatter.disc import covered, inner_count, outer_count
 from refdof.stages import StageRecorder
-from tests import stage
+from tests import flat_scene
 from tests.methods import naive_baselines
 
 pytestmark = pytest.mark.fast
@@ -132,8 +132,8 @@ def test_extreme_circles_stay_finite(circle):
 
 
 def test_rendering_records_its_stages():
-    shot, lens = stage.camera(12, 9, 24.0), ThinLens(0.5, 4.0)
-    view = View(stage.scene_of([stage.rectangle(-1, 1, -1, 1, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
+    shot, lens = flat_scene.camera(12, 9, 24.0), ThinLens(0.5, 4.0)
+    view = View(flat_scene.scene_of([flat_scene.rectangle(-1, 1, -1, 1, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
     trace = StageRecorder(on=True)
     image = scatter.render(view, Params(), trace)
     assert list(trace.stages) == ["coc", "shares"]

@@ -7,15 +7,15 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 
 from refdof import Part, ThinLens, View
-from tests import stage
+from tests import flat_scene
 
 LENS = ThinLens(0.1, 2.0)
 P = 24.0
 
 
 def view(parts, width=24, height=18, background=(0.1, 0.2, 0.3)):
-    shot = stage.camera(width, height, P)
-    return View(stage.scene_of(parts, shot, LENS, background), shot, LENS)
+    shot = flat_scene.camera(width, height, P)
+    return View(flat_scene.scene_of(parts, shot, LENS, background), shot, LENS)
 
 
 def all_hits(triangles, directions):
@@ -36,7 +36,7 @@ def all_hits(triangles, directions):
 
 
 def rays(width=24, height=18):
-    x, y = stage.tangents(width, height, P)
+    x, y = flat_scene.tangents(width, height, P)
     return np.stack([x, y, -np.ones_like(x)], axis=-1)
 
 
@@ -48,7 +48,7 @@ def random_triangles(seed, count):
 
 
 def soup(triangles, color=(1.0, 1.0, 1.0)):
-    return Part(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), stage.paint(color))
+    return Part(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), flat_scene.paint(color))
 
 
 def test_every_layer_of_a_soup_against_brute_force():
@@ -86,7 +86,7 @@ def test_asking_for_few_layers_gives_the_nearest_ones():
 def test_a_sphere_has_two_sides():
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.8)
     centre = np.array([0.1, -0.05, -3.0])
-    layers = view([Part(ball.vertices + centre, ball.faces, stage.paint((1.0,) * 3))]).layers()
+    layers = view([Part(ball.vertices + centre, ball.faces, flat_scene.paint((1.0,) * 3))]).layers()
     count = (layers.triangle >= 0).sum(axis=0)
     assert set(np.unique(count)) == {0, 2}
 
@@ -123,7 +123,9 @@ def test_coplanar_duplicates_are_all_there_in_the_order_of_their_numbers(flipped
     tilt = np.array([[-2.5, -2, -2.0], [2, -2, -3.0], [2, 2, -3.0], [-2.5, 2, -2.0]])
     faces = np.array([[0, 1, 2], [0, 2, 3]])
     colors = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-    parts = [Part(tilt, faces[::-1] if flipped and k == 1 else faces, stage.paint(c)) for k, c in enumerate(colors)]
+    parts = [
+        Part(tilt, faces[::-1] if flipped and k == 1 else faces, flat_scene.paint(c)) for k, c in enumerate(colors)
+    ]
     # No pixel centre lies on the diagonal: there both of a quad's triangles would be met.
     layers = view(parts, 8, 6).layers()
     assert len(layers.depth) == 3
@@ -138,7 +140,7 @@ def test_coplanar_duplicates_are_all_there_in_the_order_of_their_numbers(flipped
 def test_a_shared_edge_through_a_pixel_centre_has_no_hole():
     # Four triangles meet on the optical axis, where the only pixel's centre is.
     corners = np.array([[0, 0, -2], [-1, -1, -2], [1, -1, -2], [1, 1, -2], [-1, 1, -2]], dtype=float)
-    fan = Part(corners, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]], stage.paint((1.0,) * 3))
+    fan = Part(corners, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]], flat_scene.paint((1.0,) * 3))
     layers = view([fan], 1, 1).layers()
     assert layers.depth[0, 0, 0] == 2.0
     hit = layers.triangle[:, 0, 0]
@@ -150,8 +152,8 @@ def test_a_slanted_plane_is_exact():
     # 1 / depth is affine in the picture: z = -(2 + x / 2 + y / 4) gives 1 / depth = (1 - tx / 2 - ty / 4) / 2.
     x, y = (np.array(v, dtype=float) for v in ([-9, 9, 9, -9], [-9, -9, 9, 9]))
     x, y = x / 6, y / 6
-    plane = Part(np.stack([x, y, -(2 + x / 2 + y / 4)], axis=1), [[0, 1, 2], [0, 2, 3]], stage.paint((1.0,) * 3))
-    right, up = stage.tangents(24, 18, P)
+    plane = Part(np.stack([x, y, -(2 + x / 2 + y / 4)], axis=1), [[0, 1, 2], [0, 2, 3]], flat_scene.paint((1.0,) * 3))
+    right, up = flat_scene.tangents(24, 18, P)
     depth = view([plane]).pinhole().depth
     # A dozen roundings of 1.1e-16 each, amplified by no more than the corners' spread: 1e-12 is generous.
     np.testing.assert_allclose(depth, 2.0 / (1.0 - right / 2 - up / 4), rtol=1e-12)
@@ -160,7 +162,7 @@ def test_a_slanted_plane_is_exact():
 def test_the_nearest_triangle_is_the_one_that_embreex_finds():
     triangles = random_triangles(3, 400)
     first = view([soup(triangles)], 96, 72).layers(1)
-    x, y = stage.tangents(96, 72, P)
+    x, y = flat_scene.tangents(96, 72, P)
     directions = np.stack([x, y, -np.ones_like(x)], axis=-1).reshape(-1, 3)
     scene = rtcore_scene.EmbreeScene()
     mesh = TriangleMesh(scene, triangles.astype(np.float32))
@@ -175,7 +177,7 @@ def test_the_nearest_triangle_is_the_one_that_embreex_finds():
 
 
 def test_nothing_in_front_of_the_camera():
-    for parts in ([], [stage.rectangle(-1, 1, -1, 1, -2.0)]):
+    for parts in ([], [flat_scene.rectangle(-1, 1, -1, 1, -2.0)]):
         shown = view(parts)
         layers = shown.layers()
         assert layers.depth.shape == (1, 18, 24)
@@ -190,11 +192,11 @@ def test_a_triangle_through_the_camera_plane_is_cut_there():
     floor = Part(
         [[-9, -1, 1], [9, -1, 1], [9, -1, -3], [-9, -1, -3.0]],
         [[0, 1, 2], [0, 2, 3]],
-        stage.paint((1.0,) * 3),
+        flat_scene.paint((1.0,) * 3),
     )
-    shot = stage.camera(8, 60, 10.0)
-    shown = View(stage.scene_of([floor], shot, LENS), shot, LENS)
-    up = stage.tangents(8, 60, 10.0)[1]
+    shot = flat_scene.camera(8, 60, 10.0)
+    shown = View(flat_scene.scene_of([floor], shot, LENS), shot, LENS)
+    up = flat_scene.tangents(8, 60, 10.0)[1]
     with np.errstate(divide="ignore"):
         expected = np.where((up < 0) & (-1.0 / up <= 3.0), -1.0 / up, np.inf)
     np.testing.assert_allclose(shown.pinhole().depth, expected, rtol=1e-12)  # a few roundings
@@ -214,12 +216,12 @@ def test_more_surfaces_than_the_first_guess_of_memory():
 def test_edges_and_corners_of_a_box_are_met_once_per_side(size):
     # The diagonals of the box's faces, its edges and its corners run through pixel centres.
     box = trimesh.creation.box((1.0, 1.0, 1.0))
-    part = Part(np.asarray(box.vertices) - [0.0, 0.0, 2.0], np.asarray(box.faces), stage.paint((1, 1, 1)))
-    shot = stage.camera(size, size, 2.0 * size)
-    counts = np.isfinite(View(stage.scene_of([part], shot), shot, ThinLens(0.1, 1.0)).layers().depth).sum(axis=0)
-    tangent = np.abs(np.concatenate([t.ravel() for t in stage.tangents(size, size, 2.0 * size)]).reshape(2, -1)).max(
-        axis=0
-    )
+    part = Part(np.asarray(box.vertices) - [0.0, 0.0, 2.0], np.asarray(box.faces), flat_scene.paint((1, 1, 1)))
+    shot = flat_scene.camera(size, size, 2.0 * size)
+    counts = np.isfinite(View(flat_scene.scene_of([part], shot), shot, ThinLens(0.1, 1.0)).layers().depth).sum(axis=0)
+    tangent = np.abs(
+        np.concatenate([t.ravel() for t in flat_scene.tangents(size, size, 2.0 * size)]).reshape(2, -1)
+    ).max(axis=0)
     inside = tangent.reshape(size, size) < 0.5 / 1.5 - 1e-9  # the box's front stands at depth 1.5
     assert inside.any()
     assert (counts[inside] == 2).all()
@@ -229,8 +231,8 @@ def test_edges_and_corners_of_a_box_are_met_once_per_side(size):
 
 def test_coplanar_duplicates_on_a_shared_edge_both_count():
     # The common diagonal of both quads runs through pixel centres.
-    cards = [stage.rectangle(-1, 1, -1, 1, 2.0, color) for color in ((1, 0, 0), (0, 1, 0))]
-    shot = stage.camera(4, 4, 4.0)
-    layers = View(stage.scene_of(cards, shot), shot, ThinLens(0.1, 1.0)).layers()
+    cards = [flat_scene.rectangle(-1, 1, -1, 1, 2.0, color) for color in ((1, 0, 0), (0, 1, 0))]
+    shot = flat_scene.camera(4, 4, 4.0)
+    layers = View(flat_scene.scene_of(cards, shot), shot, ThinLens(0.1, 1.0)).layers()
     assert (np.isfinite(layers.depth).sum(axis=0) == 2).all()
     np.testing.assert_array_equal(layers.color[:, 1, 2], np.float32([[1, 0, 0], [0, 1, 0]]))

@@ -8,7 +8,7 @@ import pytest
 from refdof import Light, Material, Part, ThinLens, View
 from refdof._jit import tile_kernel
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of, shade_gbuffer
-from tests import stage
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 
@@ -36,19 +36,19 @@ def materials():
 
 def test_same_colours_as_shading_at_once():
     random = np.random.default_rng(4)
-    shot = stage.camera(16, 12, 12.0)
+    shot = flat_scene.camera(16, 12, 12.0)
     parts = []
     for k, material in enumerate(materials()):
         corners = np.array([[-2.0, -2.0, -2.0 - k], [2.0, -2.0, -3.0 - k], [0.0, 3.0, -2.5 - k]])
         normal = corners * [1, 1, 0] * 0.2 + [0, 0, 1]
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         parts.append(Part(corners, [[0, 1, 2]], material, random.random((3, 2)), random.random((3, 3)), normal))
-    view = View(stage.scene_of(parts, shot), shot, ThinLens(0.1, 2.0))
+    view = View(flat_scene.scene_of(parts, shot), shot, ThinLens(0.1, 2.0))
     layers = view.layers(3)
     attributes = gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
     filled = layers.triangle >= 0
     assert len(np.unique(layers.triangle[filled])) == 3
-    right, up = stage.tangents(16, 12, 12.0)
+    right, up = flat_scene.tangents(16, 12, 12.0)
     directions = np.broadcast_to(np.stack([right, up, -np.ones_like(up)], axis=-1), (3, 12, 16, 3))
     colors = shade_all(view.surfaces(), attributes[filled], directions[filled])
     # Attributes are rounded to float32; a lobe of exponent 9 makes up to 9 steps out of one.
@@ -57,9 +57,9 @@ def test_same_colours_as_shading_at_once():
 
 
 def test_by_hand():
-    shot = stage.camera(4, 4, 4.0)
+    shot = flat_scene.camera(4, 4, 4.0)
     light = Light((0, 0, 1), sun=(2.0, 1.0, 0.5), sky=(0.5, 0.25, 1.0), ground=(0.5, 0.25, 1.0))
-    surfaces = View(stage.scene_of([], shot, light=light), shot, ThinLens(0.1, 2.0)).surfaces()
+    surfaces = View(flat_scene.scene_of([], shot, light=light), shot, ThinLens(0.1, 2.0)).surfaces()
     a = np.zeros((1, GBUFFER_CHANNELS), dtype=np.float32)
     a[0, 0:3], a[0, 3:6] = (0.5, 0.25, 1.0), (0.0, 0.125, 0.0)
     a[0, 6:9] = (0.0, 0.0, 0.25)  # an average: shorter than 1

@@ -1,4 +1,4 @@
-"""A bare stage for tests of pictures: a camera at the origin that looks down -z, and flat cards in front of it.
+"""A flat scene for tests of pictures: a camera at the origin that looks down -z, and flat cards in front of it.
 
 With the camera there, camera space is world space, and a point (x, y, -d) has its pinhole image at
 (W / 2 + P x / d, H / 2 - P y / d) pixels.

@@ -1,4 +1,4 @@
-"""Made-up comparisons for the tests of the report: random pictures and scores that float32 holds exactly."""
+"""Fake comparisons for the tests of the report: random pictures and scores that float32 holds exactly."""
 
 import numpy as np
 
