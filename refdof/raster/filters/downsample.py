@@ -14,7 +14,7 @@ import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.row_registers import blend_along, blend_squares, mean_squares
-from refdof.raster.gpu.filters import Rules, lerp
+from refdof.raster.gpu.texture_sampling import Rules, lerp
 
 __all__ = ["downsample_box", "downsample_gaussian", "downsample_highest", "downsample_linear", "downsample_lowest"]
 

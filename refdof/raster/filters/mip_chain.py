@@ -23,9 +23,9 @@ from refdof.raster.filters.downsample import (
     downsample_linear,
     downsample_lowest,
 )
-from refdof.raster.gpu.filters import fused_multiply_add
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.texture import as_texture, at_texels
+from refdof.raster.gpu.texture_sampling import fused_multiply_add
 
 __all__ = ["box_mipmaps", "extreme_mipmaps", "gaussian_mipmaps", "generate_mipmaps"]
 

@@ -17,9 +17,8 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_instance, shape_of
 from refdof._jit import kernel, prange
-from refdof.raster.gpu.filters import rules_of
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel, decode_unorm
-from refdof.raster.gpu.reads import read_level, read_points
+from refdof.raster.gpu.texture_sampling import read_level, read_points, rules_of
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
 

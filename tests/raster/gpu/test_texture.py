@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from refdof._check import InputError
 from refdof.raster.filters.mip_chain import box_mipmaps, gaussian_mipmaps, generate_mipmaps
-from refdof.raster.gpu.filters import fused_multiply_add
 from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
+from refdof.raster.gpu.texture_sampling import fused_multiply_add
 from tests.raster.gpu import naive_texture as naive
 
 pytestmark = pytest.mark.fast
