@@ -167,10 +167,10 @@ class View:
             with self.booking() as book:
                 start = time.perf_counter()
                 value = build()
-                own = time.perf_counter() - start - book.spent
+                seconds = time.perf_counter() - start - book.spent
             for other in self._bookings:
-                other.spent += own
-            self._products[name] = value, {**book.used, name: own}
+                other.spent += seconds
+            self._products[name] = value, {**book.used, name: seconds}
         value, used = self._products[name]
         for book in self._bookings:
             book.used.update(used)

@@ -192,15 +192,15 @@ def _gather(coded, small, taps, max_radius):
     out = np.empty((height, width, 3), dtype=coded.dtype)
     for y in prange(height):
         sharp, soft, places = borrow(flat), borrow(low_flat), borrow(taps)
-        own = coded.dtype.type
-        half, one, two = own(0.5), own(1), own(2)
-        right, down = own(low_width / width), own(low_height / height)
+        scalar = coded.dtype.type
+        half, one, two = scalar(0.5), scalar(1), scalar(2)
+        right, down = scalar(low_width / width), scalar(low_height / height)
         for x in range(width):
             center = sharp[y * width + x, 3]
             radius = abs(two * center - one) * max_radius
-            wide = radius * own(_SMALL_RADIUS * _SMALL)
-            u, v = own(x) + half, own(y) + half
-            red, green, blue, total = own(0), own(0), own(0), own(0)
+            wide = radius * scalar(_SMALL_RADIUS * _SMALL)
+            u, v = scalar(x) + half, scalar(y) + half
+            red, green, blue, total = scalar(0), scalar(0), scalar(0), scalar(0)
             for k in range(len(places)):
                 high = _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, height, width)
                 low_u, low_v = (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down
@@ -212,7 +212,7 @@ def _gather(coded, small, taps, max_radius):
                 green += weight * (high[1] + (low[1] - high[1]) * blend)
                 blue += weight * (high[2] + (low[2] - high[2]) * blend)
                 total += weight
-            if total > own(0):
+            if total > scalar(0):
                 out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
             else:
                 for c in range(3):

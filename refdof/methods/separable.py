@@ -113,10 +113,10 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
-    own = color.dtype.type
-    radius = np.minimum(np.abs(coc), own(_LARGEST))
-    light = own(1) / np.maximum(own(1), own(math.pi) * radius * radius)
-    leak = np.minimum(own(params.leakage) * radius, own(1))
+    scalar = color.dtype.type
+    radius = np.minimum(np.abs(coc), scalar(_LARGEST))
+    light = scalar(1) / np.maximum(scalar(1), scalar(math.pi) * radius * radius)
+    leak = np.minimum(scalar(params.leakage) * radius, scalar(1))
     planes = np.ascontiguousarray(np.moveaxis(color, -1, 0))
     across = _across(planes, depth, radius, light, leak)
     trace.record("coc", lambda: coc)
@@ -171,13 +171,13 @@ def _down(planes, depth, radius, light, leak):
 
 
 @inline
-def _weigh(distance, depth, radius, light, own_depth, own_radius, own_leak, out):
+def _weigh(distance, depth, radius, light, pixel_depth, pixel_radius, pixel_leak, out):
     """Overlap, brightness and leakage of one tap for a row of pixels."""
     zero, one, step = out.dtype.type(0), out.dtype.type(1), out.dtype.type(distance)
     for x in range(len(out)):
         overlap = min(max(radius[x] - step, zero), one) if step > zero else one
-        reached = one if own_radius[x] > step - one else zero  # ceil(own radius) >= step
-        out[x] = overlap * reached * light[x] * (one if depth[x] <= own_depth[x] else own_leak[x])
+        reached = one if pixel_radius[x] > step - one else zero  # ceil(own radius) >= step
+        out[x] = overlap * reached * light[x] * (one if depth[x] <= pixel_depth[x] else pixel_leak[x])
 
 
 @inline

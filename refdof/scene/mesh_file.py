@@ -85,8 +85,8 @@ def load_mesh(
     if not len(scene.faces):
         raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
     up = 1 if _suffix(path) in _GLTF else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
-    own = gltf_camera(path) if _suffix(path) in _GLTF else None
-    camera = own or suggest_camera(scene.vertices, scene.faces, up)
+    file_camera = gltf_camera(path) if _suffix(path) in _GLTF else None
+    camera = file_camera or suggest_camera(scene.vertices, scene.faces, up)
     lens = suggest_lens(scene.vertices, scene.faces, camera)
     x, y, z = scene.light.sun_direction
     light = Light() if up == 1 else Light(sun_direction=(x, -z, y))  # the sun stands above the model's front
@@ -143,7 +143,7 @@ def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
     vertices = as_float("vertices", mesh.vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", mesh.faces, (None, 3), end=len(vertices))
     vertices = vertices @ world[:3, :3].T + world[:3, 3]
-    normal = _own_normals(mesh, world)
+    normal = _file_normals(mesh, world)
     uv, color, material = looks.of(mesh)
     if mesh.visual.kind == "face" and color is not None:  # every face gets corners of its own
         source, faces = faces.ravel(), np.arange(faces.size).reshape(-1, 3)
@@ -157,7 +157,7 @@ def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
     return Part(vertices, faces, material, uv, color, normal)
 
 
-def _own_normals(mesh: Any, world: Float) -> Float | None:
+def _file_normals(mesh: Any, world: Float) -> Float | None:
     """Unit normals (V, 3) that the file states, in world space; None if it states none or a useless one."""
     if "vertex_normals" not in mesh._cache:  # asking the mesh itself would compute them
         return None

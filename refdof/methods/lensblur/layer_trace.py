@@ -117,8 +117,8 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
     )
     lens, weights = lens.astype(dtype), pattern.weights
-    own: Any = dtype.type
-    stack, center = stack._replace(extension=own(stack.extension)), own(focus)
+    scalar: Any = dtype.type
+    stack, center = stack._replace(extension=scalar(stack.extension)), scalar(focus)
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
     how = stride, iterations, MISSES.index(misses), bool(linear)
 
@@ -152,7 +152,7 @@ def _trace_rows(
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
     packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
-    own = packs.dtype.type
+    scalar = packs.dtype.type
     groups, height, width = packs.shape[:3]
     stride, iterations, misses, linear = how
     rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
@@ -160,13 +160,13 @@ def _trace_rows(
     for y in range(first, last):
         for x in range(width):
             chosen = sets[y % len(sets), x % len(sets)]
-            center = own(x) + own(0.5), own(y) + own(0.5), focus
+            center = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5), focus
             _aim_thin_lens(lens[chosen], center, rays)
-            inside = _all_inside(rays, max(top.max(), own(0.0)), width, height)
+            inside = _all_inside(rays, max(top.max(), scalar(0.0)), width, height)
             for group in range(groups):
                 near[group], far[group] = narrow(
                     lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], own(0.0), stack.extension, iterations,
+                    top[group], scalar(0.0), stack.extension, iterations,
                 )  # fmt: skip
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
@@ -186,7 +186,7 @@ def _trace_rows(
                 if layer == _BACKGROUND:
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
-                    right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
+                    right, down = ax + u * wx - scalar(at_x) - scalar(0.5), ay + u * wy - scalar(at_y) - scalar(0.5)
                     r, g, b = _hit_color(
                         surfaces, projection, packs, values, linear, layer, at_x, at_y, right, down, ax, ay
                     )
@@ -221,19 +221,19 @@ def _all_inside(rays, near, width, height):
 @inline
 def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
     """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
-    own = packs.dtype.type
+    scalar = packs.dtype.type
     height, width = packs.shape[1], packs.shape[2]
-    border = own(np.inf)
+    border = scalar(np.inf)
     if not inside:
         border = enter_picture(width, height, ax, ay, wx, wy)
         if border < 0.0:
             return _MISS, 0, 0, border, 0
         if border < np.inf:
-            x = int(min(max(ax + border * wx, own(0.0)), own(width - 1)))
-            y = int(min(max(ay + border * wy, own(0.0)), own(height - 1)))
+            x = int(min(max(ax + border * wx, scalar(0.0)), scalar(width - 1)))
+            y = int(min(max(ay + border * wy, scalar(0.0)), scalar(height - 1)))
             if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
-    layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0
+    layer, x, y, best, steps = _BACKGROUND, 0, 0, scalar(-1.0), 0
     for group in range(len(packs)):
         begin, end = min(near[group], border), max(far[group], best)
         if begin < end:

@@ -138,9 +138,9 @@ def _downsample_row(y, color, circles, columns, along, right, delta, shares, coa
     )
     height, (fine_height, fine_width) = coarse_circles.shape[0], circles.shape[:2]
     all_texels = colors.reshape(fine_height * fine_width, 4)
-    own = circles.dtype.type
+    scalar = circles.dtype.type
     row, share = _centre(y, fine_height, height)
-    h, zero = own(share), own(0)
+    h, zero = scalar(share), scalar(0)
     rows = (
         _inside(row - 1, fine_height),
         _inside(row, fine_height),
@@ -253,17 +253,17 @@ def _foreground_row(y, circles, out):
     """Fill row y of out (h, w) from the finer level's circles (H, W, 2)."""
     height, width = out.shape
     fine_height, fine_width = circles.shape[:2]
-    own = circles.dtype.type
+    scalar = circles.dtype.type
     row, wy = _centre(y, fine_height, height)
     for x in range(width):
         column, wx = _centre(x, fine_width, width)
-        here = _tap(circles, column, row, own(wx), own(wy), 0)
-        largest = own(0)
+        here = _tap(circles, column, row, scalar(wx), scalar(wy), 0)
+        largest = scalar(0)
         for j in range(-1, 2):
             for i in range(-1, 2):
-                tap = _tap(circles, column + i, row + j, own(wx), own(wy), 0)
-                if tap < own(0) and tap < here:
-                    largest = max(largest, _tap(circles, column + i, row + j, own(wx), own(wy), 1))
+                tap = _tap(circles, column + i, row + j, scalar(wx), scalar(wy), 0)
+                if tap < scalar(0) and tap < here:
+                    largest = max(largest, _tap(circles, column + i, row + j, scalar(wx), scalar(wy), 1))
         out[y, x] = largest
 
 

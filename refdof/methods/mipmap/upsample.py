@@ -77,26 +77,26 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
     Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
     """
     height, width, last = heights[0], widths[0], len(starts) - 1
-    own = circles.dtype.type
-    reach, half = own(2.0**last), own(0.5)
+    scalar = circles.dtype.type
+    reach, half = scalar(2.0**last), scalar(0.5)
     left, beside = np.empty((5, width), dtype=np.uint32), np.empty((5, width), dtype=np.uint32)
     across = np.empty((5, width), dtype=circles.dtype)
     for i in range(5):
         for x in range(width):
-            place = (own(x) + half + offsets[i] * reach) * right[last]
+            place = (scalar(x) + half + offsets[i] * reach) * right[last]
             left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
     texel, aside = np.empty((last + 1, width), dtype=np.uint32), np.empty((last + 1, width), dtype=np.uint32)
     share = np.empty((last + 1, width), dtype=circles.dtype)
     for k in range(last + 1):
         for x in range(width):
-            texel[k, x], aside[k, x], share[k, x] = texels_around((own(x) + half) * right[k], widths[k])
+            texel[k, x], aside[k, x], share[k, x] = texels_around((scalar(x) + half) * right[k], widths[k])
     for y in prange(height):
         texels, front = borrow(circles), borrow(nearer)
         firsts, seconds, shares = borrow(texel), borrow(aside), borrow(share)
         sums, rho, sigma, lod = np.zeros((5, front.shape[1]), dtype=circles.dtype), rhos[y], sigmas[y], levels[y]
-        rho[:] = own(0)
+        rho[:] = scalar(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = texels_around((own(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
+            v, v1, wy = texels_around((scalar(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
             for x in range(front.shape[1]):
                 sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
@@ -105,16 +105,16 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
         top, bottom = np.empty(last + 1, dtype=np.int64), np.empty(last + 1, dtype=np.int64)
         sink = np.empty(last + 1, dtype=circles.dtype)
         for k in range(last + 1):
-            first, second, sink[k] = texels_around((own(y) + half) * down[k], heights[k])
+            first, second, sink[k] = texels_around((scalar(y) + half) * down[k], heights[k])
             top[k], bottom[k] = starts[k] + first * widths[k], starts[k] + second * widths[k]
-        _levels_of(rho, own(last), lod)  # Eq. (11)
+        _levels_of(rho, scalar(last), lod)  # Eq. (11)
         for x in range(width):
             n = lod[x]
-            if n <= own(0):
+            if n <= scalar(0):
                 sigma[x] = texels[top[0] + x, 1]
                 continue
             k = int(n)
-            rest = n - own(k)
+            rest = n - scalar(k)
             p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
             fine = _between(
                 texels[upper + p, 1],
@@ -135,7 +135,7 @@ def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, colu
                 sink[k],
             )
             sigma[x] = fine + (coarse - fine) * rest
-        _levels_of(sigma, own(np.inf), lod)
+        _levels_of(sigma, scalar(np.inf), lod)
 
 
 @inline
@@ -155,8 +155,8 @@ def _levels_of(sigmas, largest, out):
 def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
     height, width, last = heights[0], widths[0], len(starts) - 1
-    own = colors.dtype.type
-    widest = own(2.0**last)
+    scalar = colors.dtype.type
+    widest = scalar(2.0**last)
     for y in prange(height):
         texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
         shares = (weights[0], weights[1], weights[5])
@@ -169,17 +169,17 @@ def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, we
         )
         for x in range(width):
             m = lods[y, x]
-            if m <= own(0):
+            if m <= scalar(0):
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
             radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
-            u, v = own(x) + own(0.5), own(y) + own(0.5)
+            u, v = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5)
             a, b = rightward[level], downward[level]
             fine = read_circle(
                 texels, begin[level], broad[level], tall[level], u * a, v * b, radius * a, radius * b, shares
             )
-            if beta > own(0):
+            if beta > scalar(0):
                 k = level + np.uint32(1)
                 a, b = rightward[k], downward[k]
                 coarse = read_circle(texels, begin[k], broad[k], tall[k], u * a, v * b, radius * a, radius * b, shares)
@@ -194,22 +194,22 @@ def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, we
 def _upsample_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
     """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
     height, width, last = heights[0], widths[0], len(starts) - 1
-    own = colors.dtype.type
-    widest = own(2.0**last)
+    scalar = colors.dtype.type
+    widest = scalar(2.0**last)
     out = np.zeros((height, width, 3), dtype=colors.dtype)
     for y in prange(height):
         texels, sizes = borrow(colors), borrow(smoothed)
         for x in range(width):
             m = levels[y, x]
-            if m <= own(0):
+            if m <= scalar(0):
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
                 continue
             radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
             for k in range(9):
-                u, v = own(x) + own(0.5) + circle[k, 0] * radius, own(y) + own(0.5) + circle[k, 1] * radius
+                u, v = scalar(x) + scalar(0.5) + circle[k, 0] * radius, scalar(y) + scalar(0.5) + circle[k, 1] * radius
                 fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
-                if beta > own(0):
+                if beta > scalar(0):
                     coarse = _color_at(texels, starts, heights, widths, down, right, level + 1, u, v)
                     for c in range(3):
                         out[y, x, c] += weights[k] * _power(fine[c], coarse[c], beta)
@@ -225,11 +225,11 @@ def _circle_of(m, sigma, last, widest):
 
     Below m = 1 there is no lower level: the circle shrinks instead. Above, 2^(m - 1) is K_SIGMA sigma.
     """
-    own = type(m)
-    radius = min(own(K_SIGMA) * sigma, widest) if m > own(1) else m
-    lod = min(max(m - own(1), own(0)), own(last))
+    scalar = type(m)
+    radius = min(scalar(K_SIGMA) * sigma, widest) if m > scalar(1) else m
+    lod = min(max(m - scalar(1), scalar(0)), scalar(last))
     level = np.uint32(lod)
-    return radius, level, lod - own(level)
+    return radius, level, lod - scalar(level)
 
 
 @inline

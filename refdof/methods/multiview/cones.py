@@ -60,8 +60,8 @@ def mip_chain(surface: Float, coc: Float, copied: Index, widest: float, reach: F
     most = 2 + math.ceil(math.log2(max(widest, 1.0)))
     layers, closed, shapes = [], [], []
     for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
-        own = (filled & ~copy)[..., None]
-        image = np.concatenate([np.where(own, values, 0), own], axis=-1, dtype=np.float32)
+        uncopied = (filled & ~copy)[..., None]
+        image = np.concatenate([np.where(uncopied, values, 0), uncopied], axis=-1, dtype=np.float32)
         levels = coverage_mipmaps(image, filled)[:most]
         shapes = [(level.shape[1], level.shape[0]) for level in levels]
         layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
@@ -145,17 +145,17 @@ def _cone_rows(
                     if _beside(u, i, fields.coc.shape[2]) or _beside(v, j, fields.coc.shape[1]):
                         u, v, diameter = i + 0.5, j + 0.5, 0.0
                     _read(texels[k], level, u, v, diameter, found)
-                    own, free = found[-2], 1.0 - (found[-1] - found[-2])
-                    if own <= 0.0:
+                    covered, free = found[-2], 1.0 - (found[-1] - found[-2])
+                    if covered <= 0.0:
                         continue
-                    share = own / free if own < free - _ROUNDING else 1.0
+                    share = covered / free if covered < free - _ROUNDING else 1.0
                     if share < 1.0 and closed.shape[1] > 0 and fields.coc[k, j, i] < np.inf:
                         _read(closed[k], level, u, v, diameter, whole)
-                        own = whole[-1]
-                        share = (own + free - 1.0) / free if own < 1.0 - _ROUNDING else 1.0
+                        covered = whole[-1]
+                        share = (covered + free - 1.0) / free if covered < 1.0 - _ROUNDING else 1.0
                         found[: len(whole) - 1] = whole[: len(whole) - 1]
                     for channel in range(len(found) - 2):
-                        found[channel] /= own
+                        found[channel] /= covered
                     dx, dy = ray_tangents(projection, x, y, vx, vy)
                     r, g, b = light_of(surfaces, found, dx, dy)
                     part = through * share

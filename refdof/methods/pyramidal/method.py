@@ -141,7 +141,7 @@ def _shares(width: int, height: int, levels: int) -> list[float]:
 def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     trace.record("coc", lambda: coc)
     front, back = _side(-float(coc.min()), params), _side(float(coc.max()), params)
-    own = color.dtype.type
+    scalar = color.dtype.type
     known_all = np.concatenate([color, coc[..., None]], axis=-1)
     out = np.zeros((*coc.shape, 4), dtype=color.dtype)
     for i in range(back, -front - 1, -1):
@@ -152,8 +152,8 @@ def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Flo
         layer[..., 3] = opacity
         layer = blurred(layer, abs(i))
         trace.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
-        out = layer + (own(1) - layer[..., 3:]) * out
-    return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], own(1)), color)
+        out = layer + (scalar(1) - layer[..., 3:]) * out
+    return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], scalar(1)), color)
 
 
 def _side(largest: float, params: Params) -> int:

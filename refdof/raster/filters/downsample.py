@@ -151,20 +151,20 @@ def _along(row, first, count, channels, spare, out):
     At its ends the row repeats.
     """
     half, size, start = row.dtype.type(0.5), count * channels, 2 * first * channels
-    own, between = out[:size], out[size:]
+    pairs, between = out[:size], out[size:]
     for c in range(channels):
         between[c] = _midway(row[max(start - channels, 0) + c], row[start + c], half)
         place = start + 2 * size - channels + c
         between[size + c] = _midway(row[place], row[min(place + channels, len(row) - channels + c)], half)
     done = (count - 1) // 4 * 4 if channels == 4 else 0  # the last four would read past the border
     for x in range(0, done, 4):
-        blend_along(row, 2 * (first + x), own, x, between, x + 1)
+        blend_along(row, 2 * (first + x), pairs, x, between, x + 1)
     start += 2 * done * channels
     blends = spare[: (2 * (count - done) - 1) * channels]
     left, right = row[start : start + len(blends)], row[start + channels : start + channels + len(blends)]
     for i in range(len(blends)):
         blends[i] = _midway(left[i], right[i], half)
-    even, odd = own[done * channels :], between[(done + 1) * channels : size]
+    even, odd = pairs[done * channels :], between[(done + 1) * channels : size]
     # A constant number of channels lets the compiler move whole texels.
     if channels == 3:
         _apart(blends, 3, even, odd)

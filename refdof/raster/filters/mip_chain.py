@@ -123,13 +123,13 @@ def gaussian_mipmaps(image: Any, model: GpuModel = EXACT, deviation: float = 1.0
             levels.append(_downsampled(downsample_gaussian, fine, nine))
             continue
         x, y = _centres(fine, model)
-        own = x.dtype.type
+        scalar = x.dtype.type
         level = np.zeros((*x.shape, fine.shape[2]), dtype=fine.dtype)
         for j in (-1, 0, 1):
             for i in (-1, 0, 1):
                 weight = fine.dtype.type(weights[j + 1] * weights[i + 1])
                 if weight > 0:
-                    level += weight * at_texels(fine, x + own(i), y + own(j), model)
+                    level += weight * at_texels(fine, x + scalar(i), y + scalar(j), model)
         levels.append(level)
     return levels
 

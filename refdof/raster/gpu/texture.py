@@ -188,7 +188,7 @@ def _as_floats(image: Any, border: Any, model: GpuModel) -> tuple[Float, Float]:
 
 def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, model: GpuModel) -> Float:
     """`trilinear` in integers: u, v, lod (N,) -> (N, C)."""
-    level, own = np.floor(lod).astype(np.int64), u.dtype.type
+    level, scalar = np.floor(lod).astype(np.int64), u.dtype.type
     parts = []
     for step in (0, 1):
         read = np.empty((len(u), images[0].shape[2]), dtype=np.int64)
@@ -196,7 +196,7 @@ def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, mode
         for k in np.unique(chosen):
             here, (height, width) = chosen == k, images[k].shape[:2]
             with np.errstate(over="ignore"):  # far outside
-                x, y = _fixed(u[here] * own(width), width), _fixed(v[here] * own(height), height)
+                x, y = _fixed(u[here] * scalar(width), width), _fixed(v[here] * scalar(height), height)
             read[here] = _filter_bytes(images[k], x, y)
         parts.append(read)
     weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]

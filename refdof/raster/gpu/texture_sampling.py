@@ -59,7 +59,7 @@ def read_level(image, level, u, v, lod, rounded, border, bordered, rules, out):
 def _read_chunk(texels, level, places, how, begin, end, coarser, out):
     """Points begin .. end - 1 of `read_level`."""
     u, v, lod = places
-    own, real, coarser = out.dtype.type, u.dtype.type, borrow(coarser)
+    scalar, real, coarser = out.dtype.type, u.dtype.type, borrow(coarser)
     height, width = real(texels[0].shape[0]), real(texels[0].shape[1])
     for k in range(begin, end):
         finer = int(np.floor(lod[k]))
@@ -68,7 +68,7 @@ def _read_chunk(texels, level, places, how, begin, end, coarser, out):
         elif finer == level - 1 and lod[k] > real(finer):
             _read(texels, u[k] * width, v[k] * height, real, how, 0, coarser)
             for c in range(out.shape[1]):
-                out[k, c] = lerp(out[k, c], coarser[0, c], own(lod[k] - real(finer)), how[3])
+                out[k, c] = lerp(out[k, c], coarser[0, c], scalar(lod[k] - real(finer)), how[3])
 
 
 @inline
@@ -76,10 +76,10 @@ def _read(texels, x, y, real, how, k, out):
     """Row k of out: a bilinear read at x, y [texels from the corner; type `real`]; texels: image, and flattened."""
     image, flat = texels
     rounded, border, bordered, rules = how
-    own = out.dtype.type
+    scalar = out.dtype.type
     column, right = split(x, image.shape[1], rounded, bordered, real)
     row, below = split(y, image.shape[0], rounded, bordered, real)
-    across, down = own(right), own(below)
+    across, down = scalar(right), scalar(below)
     plain = not (bordered or rules.fused or rules.flush) and max(across, down) < 1
     if not (plain and _blend(flat, image.shape, column, row, across, down, k, out)):
         _read_by_rules(image, column, row, across, down, border, bordered, rules, k, out)

@@ -52,23 +52,23 @@ def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> F
 def _fill(surfaces, projection, triangle, out):
     """Fill out (N, H, W, 13)."""
     for y in prange(triangle.shape[1]):
-        own = borrow_surfaces(surfaces)
+        borrowed = borrow_surfaces(surfaces)
         for n in range(triangle.shape[0]):
             for x in range(triangle.shape[2]):
                 face = triangle[n, y, x]
                 if face < 0:
                     continue
-                a, material = out[n, y, x], own.face_material[face]
-                u, v, dx, dy = pinhole_hit(own, projection, face, x, y)
+                a, material = out[n, y, x], borrowed.face_material[face]
+                u, v, dx, dy = pinhole_hit(borrowed, projection, face, x, y)
                 w = 1.0 - u - v
-                color = _EMISSION if own.shading[material] == _UNLIT else _ALBEDO
-                a[color], a[color + 1], a[color + 2] = surface_color(own, face, w, u, v)
-                a[_NORMAL], a[_NORMAL + 1], a[_NORMAL + 2] = shading_normal(own, face, w, u, v, dx, dy, -1.0)
+                color = _EMISSION if borrowed.shading[material] == _UNLIT else _ALBEDO
+                a[color], a[color + 1], a[color + 2] = surface_color(borrowed, face, w, u, v)
+                a[_NORMAL], a[_NORMAL + 1], a[_NORMAL + 2] = shading_normal(borrowed, face, w, u, v, dx, dy, -1.0)
                 for c in range(3):
-                    a[_EMISSION + c] += own.emission[material, c]
-                    if own.shading[material] == _PHONG:
-                        a[_SPECULAR + c] = own.specular[material, c]
-                a[_SHININESS] = own.shininess[material]
+                    a[_EMISSION + c] += borrowed.emission[material, c]
+                    if borrowed.shading[material] == _PHONG:
+                        a[_SPECULAR + c] = borrowed.specular[material, c]
+                a[_SHININESS] = borrowed.shininess[material]
 
 
 @inline

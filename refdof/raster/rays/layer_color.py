@@ -34,14 +34,14 @@ def colors_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> Fl
 def _fill(surfaces, projection, triangle, out):
     """Fill out (N, H, W, 3)."""
     for y in prange(triangle.shape[1]):
-        own = borrow_surfaces(surfaces)
+        borrowed = borrow_surfaces(surfaces)
         for n in range(triangle.shape[0]):
             for x in range(triangle.shape[2]):
                 face = triangle[n, y, x]
                 if face < 0:
                     continue
-                u, v, dx, dy = pinhole_hit(own, projection, face, x, y)
-                red, green, blue = shade(own, face, u, v, dx, dy, -1.0)
+                u, v, dx, dy = pinhole_hit(borrowed, projection, face, x, y)
+                red, green, blue = shade(borrowed, face, u, v, dx, dy, -1.0)
                 out[n, y, x, 0], out[n, y, x, 1], out[n, y, x, 2] = red, green, blue
 
 
