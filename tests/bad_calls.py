@@ -380,7 +380,8 @@ for _name, _module in METHODS.items():
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "cli", "comparison", "report", "stages",
-    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc", "optics.projection",
+    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
+    "optics.projection",
     "image.atomic",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
@@ -501,5 +502,6 @@ def arguments_of(thing: Any) -> set[str]:
 
 
 __all__ = [
-    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "StageRecorder", "arguments_of", "public_names", "replace", "variants",
+    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "StageRecorder", "arguments_of", "public_names", "replace",
+    "variants",
 ]  # fmt: skip
