@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, texture_reads
-from refdof.methods.mipmap.anisotropic import foreground_blur, halve
+from refdof.methods.mipmap.anisotropic import downsample, foreground_blur
 from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
 from refdof.stages import StageRecorder
@@ -135,7 +135,7 @@ def coarse_red(circles, delta):
         fine, sizes = turn(color), turn(circles)
         half = fine.shape[0] // 2, fine.shape[1] // 2
         red, coarse = np.empty((*half, 4)), np.empty((*half, 2))
-        halve(fine, sizes, delta, red, coarse)
+        downsample(fine, sizes, delta, red, coarse)
         out.append(turn(red)[0, :, 0])
     np.testing.assert_allclose(out[0], out[1], rtol=1e-14)
     return out[0]
