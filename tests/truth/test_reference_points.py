@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-<<<<<<< HEAD
-from refdof import Part, ThinLens, render
-from refdof.truth import reference
-from tests import flat_scene
-=======
 from refdof import Part, ThinLens, reference, render
-from tests import stage
->>>>>>> 2b6d1eb8af7d6bfdec0e2d06fc39b04c33c00629
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 WIDTH, HEIGHT, P, CLOSE = 9, 5, 20.0, 2.0**-10

@@ -11,14 +11,8 @@ from refdof.methods.multiview.decomposition import decompose, layer_bounds
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.methods.multiview.method import _texel_bytes
-<<<<<<< HEAD
 from refdof.optics.pixel_samples import LensPattern, lens_pattern
-from refdof.truth import reference
 from tests import flat_scene
-=======
-from refdof.optics.lens_pattern import LensPattern, lens_pattern
-from tests import stage
->>>>>>> 2b6d1eb8af7d6bfdec0e2d06fc39b04c33c00629
 from tests.methods.multiview import naive
 
 pytestmark = pytest.mark.fast
