@@ -31,7 +31,7 @@ from refdof.compare import warm_up
 from refdof.methods import cascaded
 from refdof.methods.cascaded.gaussian import TRUNCATION, gaussian_blur
 from refdof.rendering import render_view
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.truth.reference import reference_of_view
 
 TARGET = 3.0  # times faster than scipy, layer by layer
@@ -57,7 +57,7 @@ def seconds(call):
 
 def blurs(view, rounds):
     """Seconds to blur all layers of a view."""
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     cascaded.render(view, cascaded.Params(), trace)
     layers = [np.ascontiguousarray(np.moveaxis(layer, -1, 0)) for layer in trace.stages["layers"]]
     deviations = trace.stages["deviation"]
@@ -131,7 +131,7 @@ def measure_memory(name, size, factor, results):
     view = view_of(name, size, factor)
     layers = view.layers(4)
     small = view_of(name, (16, 16), factor)
-    cascaded.render(small, cascaded.Params(), Trace())  # compile
+    cascaded.render(small, cascaded.Params(), StageRecorder())  # compile
     depth = np.where(layers.triangle < 0, np.nan, layers.depth)
     count = len(cascaded.layering_of(depth, view.camera, view.lens).deviation)
     before = resident_kb("VmRSS")

@@ -29,12 +29,12 @@ import raster_peers as peers
 
 import refdof
 from refdof._jit import kernel, prange, thread_count
-from refdof.raster.filters.halving import halve_gaussian
-from refdof.raster.filters.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
-from refdof.raster.filters.nbuffer import n_buffer, query
+from refdof.raster.filters.downsample import downsample_gaussian
+from refdof.raster.filters.mip_chain import box_mipmaps, gaussian_mipmaps, generate_mipmaps
+from refdof.raster.filters.n_buffer import n_buffer, query
 from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.gpu.texture import bilinear, trilinear
-from refdof.raster.gpu.triangles import rasterize
 from tests.gl import shader
 
 BANDWIDTH_TARGET = 3.0  # times the limit
@@ -136,7 +136,7 @@ def gaussian_level(image):
     weights = np.array([side, 1.0, side]) / (1.0 + 2.0 * side)
     out = np.empty((len(image) // 2, image.shape[1] // 2, image.shape[2]), dtype=image.dtype)
     nine = np.outer(weights, weights).astype(image.dtype).ravel()
-    halve_gaussian(image.reshape(len(image), -1), image.shape[2], nine, out.reshape(len(out), -1))
+    downsample_gaussian(image.reshape(len(image), -1), image.shape[2], nine, out.reshape(len(out), -1))
     return out
 
 

@@ -15,7 +15,7 @@ from refdof.methods import METHODS
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.optics.sampling import lens_samples
+from refdof.optics.lens_samples import lens_samples
 from refdof.rendering import Result, render
 from refdof.scene.builtin import SCENES
 from refdof.scene.load import load_scene

@@ -1,4 +1,4 @@
-"""The gate: the only place that converts arguments and raises for bad ones.
+"""Validation: the only place that converts arguments and raises for bad ones.
 
 Every error names the argument, what it got and what is allowed. Behind the gate nothing checks again.
 """

@@ -137,7 +137,7 @@ def render(
     params = dict(_setting(text) for text in settings or [])
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params, preset)
-    loaded, camera, lens = _shot(scene, size, lens_radius, focus)
+    loaded, camera, lens = _scene_camera_lens(scene, size, lens_radius, focus)
     result = render_view(method, View(loaded, camera, lens), preset=preset, **params)
     save_image(output, result.image)
     facts = {
@@ -179,7 +179,7 @@ def compare(
     comparisons = []
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
-            scene, camera, lens = _shot(name, size, lens_radius, focus)
+            scene, camera, lens = _scene_camera_lens(name, size, lens_radius, focus)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)
@@ -211,7 +211,7 @@ def _fail(message: str, status: int) -> None:
     sys.exit(status)
 
 
-def _shot(
+def _scene_camera_lens(
     name: str, size: str | None, lens_radius: float | None, focus: float | None
 ) -> tuple[Scene, Camera, ThinLens]:
     """Load a scene and put the options over its suggested shot."""

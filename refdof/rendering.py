@@ -16,7 +16,7 @@ from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.scene import Scene
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View, view_of
 
 __all__ = ["PRESETS", "Result", "make_params", "render", "render_view"]
@@ -80,7 +80,7 @@ def render_view(method: str, view: View, stages: bool = False, preset: str = "be
     chosen = make_params(method, params, preset)
     as_instance("view", view, View)
     as_bool("stages", stages)
-    trace = Trace(stages)
+    trace = StageRecorder(stages)
     with view.booking() as book:
         start = time.perf_counter()
         image = METHODS[method].render(view, chosen, trace)

@@ -15,9 +15,9 @@ import numpy as np
 from refdof._check import Float, Index, as_instance, as_integer
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.optics.shot import Shot, shot_of
-from refdof.raster.rays.peel import Layers, count_surfaces, peel
-from refdof.raster.rays.raycast import Tracer, new_tracer
+from refdof.optics.projection import Projection, projection_of
+from refdof.raster.rays.embree import Tracer, new_tracer
+from refdof.raster.rays.exact_layers import Layers, count_surfaces, exact_layers
 from refdof.raster.rays.surfaces import Surfaces, surfaces_of
 from refdof.raster.rays.umbra import umbra_step
 from refdof.scene.scene import Scene
@@ -92,9 +92,9 @@ class View:
 
         return self.product("tracer", build)
 
-    def shot(self) -> Shot:
+    def projection(self) -> Projection:
         """Camera and lens for kernels."""
-        return shot_of(self.camera, self.lens, self.surfaces().exponent)
+        return projection_of(self.camera, self.lens, self.surfaces().exponent)
 
     def pinhole(self) -> Pinhole:
         """Colour and depth through the pixel centres."""
@@ -113,7 +113,7 @@ class View:
         count = _as_count(count)
 
         def build() -> Layers:
-            return peel(self.surfaces(), self.tracer(), self.shot(), count)
+            return exact_layers(self.surfaces(), self.tracer(), self.projection(), count)
 
         return self.product(f"layers {count or 'all'}", build)
 
@@ -124,7 +124,7 @@ class View:
         count, extent_px = _as_count(count), as_integer("extent_px", extent_px, minimum=1, maximum=2)
 
         def build() -> Layers:
-            return peel(self.surfaces(), self.tracer(), self.shot(), count, self._umbra_step(extent_px))
+            return exact_layers(self.surfaces(), self.tracer(), self.projection(), count, self._umbra_step(extent_px))
 
         return self.product(f"umbra layers {count or 'all'} extent {extent_px}", build)
 
@@ -138,7 +138,7 @@ class View:
         extent_px = as_integer("extent_px", extent_px, minimum=0, maximum=2)
 
         def build() -> Index:
-            return count_surfaces(self.surfaces(), self.tracer(), self.shot(), self._umbra_step(extent_px))
+            return count_surfaces(self.surfaces(), self.tracer(), self.projection(), self._umbra_step(extent_px))
 
         return self.product(f"surface counts extent {extent_px}", build)
 
@@ -167,10 +167,10 @@ class View:
             with self.booking() as book:
                 start = time.perf_counter()
                 value = build()
-                own = time.perf_counter() - start - book.spent
+                seconds = time.perf_counter() - start - book.spent
             for other in self._bookings:
-                other.spent += own
-            self._products[name] = value, {**book.used, name: own}
+                other.spent += seconds
+            self._products[name] = value, {**book.used, name: seconds}
         value, used = self._products[name]
         for book in self._bookings:
             book.used.update(used)

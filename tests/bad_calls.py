@@ -23,17 +23,17 @@ from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
-from refdof.optics.lens_pattern import lens_pattern
-from refdof.raster.filters import mipmap, nbuffer
+from refdof.optics.pixel_samples import lens_pattern
+from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.rays import umbra
 from refdof.rendering import make_params, render_view
 from refdof.scene.load import load_scene
 from refdof.scene.mesh_file import load_mesh
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.truth.forecast import forecast_of_view
 from refdof.truth.reference import reference_of_view
 
@@ -195,7 +195,7 @@ DOORS: dict[str, Door] = {
         {"focal_length": ("focus_distance", "f_number")},
     ),
     "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
-    "refdof.optics.lens_pattern.lens_pattern": Door(
+    "refdof.optics.pixel_samples.lens_pattern": Door(
         lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
     ),
     "refdof.scene.load.load_scene": Door(
@@ -264,19 +264,21 @@ DOORS: dict[str, Door] = {
         {"depth": DEPTH, "bounds": np.array([1.0, 2.0, 5.0]), "boundary": "extrapolate", "dtype": np.float32},
     ),
     "refdof.methods.cascaded.matting.ramp_code": Door(matting.ramp_code, {"ramp": "none"}),
-    "refdof.raster.filters.mipmap.box_mipmaps": Door(mipmap.box_mipmaps, {"image": COLOR}, any_result=True),
-    "refdof.raster.filters.mipmap.extreme_mipmaps": Door(mipmap.extreme_mipmaps, {"depth": DEPTH}, any_result=True),
-    "refdof.raster.filters.mipmap.gaussian_mipmaps": Door(
-        mipmap.gaussian_mipmaps, _TEXTURE | {"std": 1.0}, any_result=True
+    "refdof.raster.filters.mip_chain.box_mipmaps": Door(mip_chain.box_mipmaps, {"image": COLOR}, any_result=True),
+    "refdof.raster.filters.mip_chain.extreme_mipmaps": Door(
+        mip_chain.extreme_mipmaps, {"depth": DEPTH}, any_result=True
     ),
-    "refdof.raster.filters.mipmap.generate_mipmaps": Door(mipmap.generate_mipmaps, _TEXTURE, any_result=True),
-    "refdof.raster.filters.nbuffer.n_buffer": Door(
-        nbuffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
+    "refdof.raster.filters.mip_chain.gaussian_mipmaps": Door(
+        mip_chain.gaussian_mipmaps, _TEXTURE | {"deviation": 1.0}, any_result=True
     ),
-    "refdof.raster.filters.nbuffer.query": Door(
-        nbuffer.query,
+    "refdof.raster.filters.mip_chain.generate_mipmaps": Door(mip_chain.generate_mipmaps, _TEXTURE, any_result=True),
+    "refdof.raster.filters.n_buffer.n_buffer": Door(
+        n_buffer.n_buffer, {"depth": DEPTH, "extremes": "both", "largest": 2, "block": 1}, any_result=True
+    ),
+    "refdof.raster.filters.n_buffer.query": Door(
+        n_buffer.query,
         {
-            "nbuffer": nbuffer.n_buffer(DEPTH),
+            "nbuffer": n_buffer.n_buffer(DEPTH),
             "x0": INDICES,
             "y0": INDICES,
             "x1": INDICES,
@@ -303,7 +305,7 @@ DOORS: dict[str, Door] = {
         {"u": ("u, v, lod",), "v": ("u, v, lod",), "lod": ("u, v, lod",)},
         True,
     ),
-    "refdof.raster.gpu.triangles.rasterize": Door(
+    "refdof.raster.gpu.rasterize.rasterize": Door(
         _with(rasterize),
         _RASTER | {"previous_depth": None},
         {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
@@ -335,7 +337,7 @@ DOORS: dict[str, Door] = {
     "refdof.rendering.render_view": Door(
         render_view, {"method": "scatter", "view": _view(), "stages": False, "preset": "best"}
     ),
-    "refdof.optics.sampling.lens_samples": Door(
+    "refdof.optics.lens_samples.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
     "refdof.scene.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
@@ -377,20 +379,21 @@ for _name, _module in METHODS.items():
 
 # Behind the gate: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report", "trace",
-    "optics.lens_maps", "optics.lens_shape", "optics.opening", "optics.owen", "optics.poisson_disc", "optics.shot",
+    "cli", "comparison", "report", "stages",
+    "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
+    "optics.projection",
     "image.atomic",
-    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.normals", "scene.suggest",
-    "raster.rays.attributes", "raster.rays.layer_color", "raster.rays.peel", "raster.rays.raycast",
+    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
+    "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
-    "raster.gpu.bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.filters", "raster.gpu.reads",
-    "raster.filters.bilinear", "raster.filters.halving", "raster.filters.squares",
-    "truth.error_bar", "truth.lens_rays", "truth.small_lights", "truth.tile_sampler",
-    "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.quick_blurs",
+    "raster.gpu.tile_bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.texture_sampling",
+    "raster.filters.bilinear", "raster.filters.downsample", "raster.filters.n_buffer_levels",
+    "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
+    "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
-    "methods.mipmap.anisotropic", "methods.mipmap.magnify",
+    "methods.mipmap.anisotropic", "methods.mipmap.upsample",
     "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.gather",
-    "methods.multiview.height_field", "methods.multiview.ray_doubt",
+    "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
     "methods.singlepass.planar",
@@ -400,8 +403,8 @@ INNER = {
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",
     "refdof.truth.forecast.Forecast",
-    "refdof.optics.lens_pattern.LensPattern",
-    "refdof.optics.lens_pattern.mean_nearest_distance",
+    "refdof.optics.pixel_samples.LensPattern",
+    "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
     "refdof.methods.multiview.method.cone_width",
     "refdof.methods.singlepass.method.spiral",
@@ -410,13 +413,13 @@ INNER = {
     "refdof.image.noise_floor.noise_moments",
     "refdof.raster.gpu.ambiguity.tied_depths",
     "refdof.methods.cascaded.matting.matte",
-    "refdof.raster.filters.nbuffer.Extremes",
-    "refdof.raster.filters.nbuffer.NBuffer",
-    "refdof.raster.filters.nbuffer.highest_in",
-    "refdof.raster.filters.nbuffer.lowest_in",
+    "refdof.raster.filters.n_buffer.Extremes",
+    "refdof.raster.filters.n_buffer.NBuffer",
+    "refdof.raster.filters.n_buffer.highest_in",
+    "refdof.raster.filters.n_buffer.lowest_in",
     "refdof.raster.gpu.texture.as_texture",
     "refdof.raster.gpu.texture.at_texels",
-    "refdof.raster.gpu.triangles.Raster",
+    "refdof.raster.gpu.rasterize.Raster",
     "refdof.raster.rays.umbra.reach_beyond",
     "refdof.truth.reference.Reference",
     "refdof.truth.reference.as_most",
@@ -499,5 +502,6 @@ def arguments_of(thing: Any) -> set[str]:
 
 
 __all__ = [
-    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "Trace", "arguments_of", "public_names", "replace", "variants",
+    "DOORS", "INNER", "SCALARS", "THINGS", "Door", "StageRecorder", "arguments_of", "public_names", "replace",
+    "variants",
 ]  # fmt: skip

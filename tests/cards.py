@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from refdof import Camera, Part, Scene, ThinLens
-from tests import stage
+from tests import flat_scene
 
 # A polygon of the unit disc's area. It leaves the circle by less than (pi / n)^2 / 2 = 7.5e-5, inwards and outwards
 # by the same area on every side, so that only the sides a card's outline crosses count: each crossing errs by
@@ -45,10 +45,10 @@ def random_cards(seed, width=12, height=9, p=12.0):
         points = np.concatenate([[corners.mean(axis=0)], corners])
         world = eye + points[:, :1] * right + points[:, 1:] * up - d * backward
         k = np.arange(len(corners))
-        parts.append(Part(world, np.stack([0 * k, k + 1, (k + 1) % len(k) + 1], axis=1), stage.paint(tuple(rgb))))
-    shot = Camera.look_at(eye, eye - backward, up, stage.camera(width, height, p).fov_y, (width, height))
-    scene = stage.scene_of(parts, shot, ThinLens(radius, focus), tuple(color[-1]))
-    share = lens_shares(outline, depth, stage.tangents(width, height, p), radius, focus)
+        parts.append(Part(world, np.stack([0 * k, k + 1, (k + 1) % len(k) + 1], axis=1), flat_scene.paint(tuple(rgb))))
+    shot = Camera.look_at(eye, eye - backward, up, flat_scene.camera(width, height, p).fov_y, (width, height))
+    scene = flat_scene.scene_of(parts, shot, ThinLens(radius, focus), tuple(color[-1]))
+    share = lens_shares(outline, depth, flat_scene.tangents(width, height, p), radius, focus)
     return Cards(scene, share @ color, share.max(axis=-1) < 1.0 - TRUTH_ERROR)
 
 

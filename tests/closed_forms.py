@@ -1,4 +1,4 @@
-"""Closed forms of what a thin lens with a round opening sees, derived from the geometry of the unit disc."""
+"""Closed forms of what a thin lens with a round aperture sees, derived from the geometry of the unit disc."""
 
 import numpy as np
 from scipy.special import j1

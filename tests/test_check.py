@@ -1,4 +1,4 @@
-"""The gate: what passes comes out as stated, what does not is named in one line."""
+"""Validation: what passes comes out as stated, what does not is named in one line."""
 
 import re
 

@@ -6,13 +6,13 @@ import pytest
 from refdof import METHODS, InputError, View, render
 from refdof.compare import compare
 from refdof.rendering import make_params, render_view
-from tests.methods.test_contract import quad, stage
+from tests.methods.test_contract import flat_scene, quad
 
 pytestmark = pytest.mark.fast
 
 
 def view():
-    scene = stage(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1)), background=(0.1, 0.2, 0.3))
+    scene = flat_scene(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1)), background=(0.1, 0.2, 0.3))
     return View(scene, scene.camera, scene.lens)
 
 

@@ -10,7 +10,7 @@ from refdof._check import LARGEST_LIGHT
 from refdof.image.noise_floor import _share_below_white
 from refdof.methods import poisson, singlepass
 from refdof.methods.cascaded.gaussian import TRUNCATION
-from refdof.methods.mipmap.magnify import _log2
+from refdof.methods.mipmap.upsample import _log2
 
 pytestmark = pytest.mark.fast
 
@@ -41,7 +41,7 @@ def test_logarithm_of_the_mipmap_method():
     value = np.concatenate([np.linspace(0.5, 2.0, 301), [1e-300, 3.7e-5, 1e300]])
     s = (math.sqrt(2.0) - 1.0) / (math.sqrt(2.0) + 1.0)
     assert s * s < 0.0295
-    assert 2e-17 <= s**20 / 21.0 < 3e-17  # the first term left out, refdof/methods/mipmap/magnify.py
+    assert 2e-17 <= s**20 / 21.0 < 3e-17  # the first term left out, refdof/methods/mipmap/upsample.py
     own = np.array([_log2(v) for v in value])
     np.testing.assert_allclose(own, np.log2(value), rtol=2.0**-51, atol=2.0**-52)  # both round
 
@@ -62,4 +62,4 @@ def test_the_largest_colours_fit_float32(blur):
 
 
 def test_memory_of_the_largest_lens_pattern():
-    assert 64 * 64 * 4096 * (2 + 1) * 8 / 2**20 == 384  # refdof/optics/lens_pattern.py: x, y and weight in float64
+    assert 64 * 64 * 4096 * (2 + 1) * 8 / 2**20 == 384  # refdof/optics/pixel_samples.py: x, y and weight in float64

@@ -1,6 +1,6 @@
 """Accumulation: the average of pinhole views from points of the lens.
 
-1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen`
+1. Choose lens points: one pattern for the whole picture, or one per pixel   `refdof.optics.owen_sobol`
 2. See the scene from each of them, sheared to keep the focal plane in place  `refdof.truth.lens_rays`
 3. Average                                                                  `refdof.truth.lens_rays`
 
@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from refdof._check import Float, as_bool, as_integer
 from refdof.methods._contract import Method
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.truth.reference import estimate
 from refdof.truth.tile_sampler import Spend
 from refdof.view import View
@@ -75,7 +75,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     spend = Spend(params.samples, None, params.samples)
     return estimate(view, 1, params.seed, spend, shared_pattern=params.shared_pattern).image

@@ -36,10 +36,10 @@ from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import blend_texels
 from refdof.methods._contract import Method
-from refdof.methods._images import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.raster.filters.bilinear import texels_around
-from refdof.raster.filters.mipmap import box_mipmaps
-from refdof.trace import Trace
+from refdof.raster.filters.mip_chain import box_mipmaps
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -108,7 +108,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
@@ -137,7 +137,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
         above 0.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
 def _units(small: float) -> float:
@@ -145,7 +145,7 @@ def _units(small: float) -> float:
     return 2.0 * len(TAPS) + 9.0 * small
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     code = _code(depth, coc, params).astype(color.dtype)
     coded = np.concatenate([color, code[..., None]], axis=-1)
     small = _shrink(coded)
@@ -195,15 +195,15 @@ def _gather(coded, small, taps, max_radius):
     out = np.empty((height, width, 3), dtype=coded.dtype)
     for y in prange(height):
         sharp, soft, places = borrow(flat), borrow(low_flat), borrow(taps)
-        own = coded.dtype.type
-        half, one, two = own(0.5), own(1), own(2)
-        right, down = own(low_width / width), own(low_height / height)
+        scalar = coded.dtype.type
+        half, one, two = scalar(0.5), scalar(1), scalar(2)
+        right, down = scalar(low_width / width), scalar(low_height / height)
         for x in range(width):
             center = sharp[y * width + x, 3]
             radius = abs(two * center - one) * max_radius
-            wide = radius * own(_SMALL_RADIUS * _SMALL)
-            u, v = own(x) + half, own(y) + half
-            red, green, blue, total = own(0), own(0), own(0), own(0)
+            wide = radius * scalar(_SMALL_RADIUS * _SMALL)
+            u, v = scalar(x) + half, scalar(y) + half
+            red, green, blue, total = scalar(0), scalar(0), scalar(0), scalar(0)
             for k in range(len(places)):
                 high = _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, height, width)
                 low_u, low_v = (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down
@@ -215,7 +215,7 @@ def _gather(coded, small, taps, max_radius):
                 green += weight * (high[1] + (low[1] - high[1]) * blend)
                 blue += weight * (high[2] + (low[2] - high[2]) * blend)
                 total += weight
-            if total > own(0):
+            if total > scalar(0):
                 out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
             else:
                 for c in range(3):

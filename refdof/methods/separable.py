@@ -32,8 +32,8 @@ import numpy as np
 from refdof._check import Float, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
-from refdof.methods._images import as_images, depth_in_range, within
-from refdof.trace import Trace
+from refdof.methods._image_validation import as_images, depth_in_range, within
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -76,7 +76,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
@@ -109,14 +109,14 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     -----
     Costs two passes of as many taps as the largest circle of each row is wide.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:
-    own = color.dtype.type
-    radius = np.minimum(np.abs(coc), own(_LARGEST))
-    light = own(1) / np.maximum(own(1), own(math.pi) * radius * radius)
-    leak = np.minimum(own(params.leakage) * radius, own(1))
+def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+    scalar = color.dtype.type
+    radius = np.minimum(np.abs(coc), scalar(_LARGEST))
+    light = scalar(1) / np.maximum(scalar(1), scalar(math.pi) * radius * radius)
+    leak = np.minimum(scalar(params.leakage) * radius, scalar(1))
     planes = np.ascontiguousarray(np.moveaxis(color, -1, 0))
     across = _across(planes, depth, radius, light, leak)
     trace.record("coc", lambda: coc)
@@ -171,13 +171,13 @@ def _down(planes, depth, radius, light, leak):
 
 
 @inline
-def _weigh(distance, depth, radius, light, own_depth, own_radius, own_leak, out):
+def _weigh(distance, depth, radius, light, pixel_depth, pixel_radius, pixel_leak, out):
     """Overlap, brightness and leakage of one tap for a row of pixels."""
     zero, one, step = out.dtype.type(0), out.dtype.type(1), out.dtype.type(distance)
     for x in range(len(out)):
         overlap = min(max(radius[x] - step, zero), one) if step > zero else one
-        reached = one if own_radius[x] > step - one else zero  # ceil(own radius) >= step
-        out[x] = overlap * reached * light[x] * (one if depth[x] <= own_depth[x] else own_leak[x])
+        reached = one if pixel_radius[x] > step - one else zero  # ceil(own radius) >= step
+        out[x] = overlap * reached * light[x] * (one if depth[x] <= pixel_depth[x] else pixel_leak[x])
 
 
 @inline

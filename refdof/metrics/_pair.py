@@ -1,4 +1,4 @@
-"""The metrics' gate: a reference and an image that may be compared."""
+"""Validation for metrics: a reference and an image that may be compared."""
 
 from collections.abc import Sequence
 from typing import Any

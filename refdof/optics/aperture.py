@@ -1,8 +1,8 @@
-"""Apertures: the shape of the opening inside the unit lens disc, and area-uniform points on it.
+"""Apertures: the shape of the aperture inside the unit lens disc, and area-uniform points on it.
 
 The longest half-axis of every shape is the lens radius, so no point leaves the unit disc (save, for an image, the outer
 corners of texels on its rim) and circles of confusion bound every blur. A picture's brightness is an average over the
-opening: it does not change with the shape. A Gaussian opening lets less light through towards its rim; its points are
+aperture: it does not change with the shape. A Gaussian aperture lets less light through towards its rim; its points are
 denser in the middle, and those of an image are as dense as its texels are clear, so that each has the same weight.
 """
 
@@ -25,7 +25,7 @@ _ARC_SEGMENTS = 64  # per curved blade: the inscribed chords lose 1.8e-4 of the 
 
 @dataclass(frozen=True, eq=False)
 class Aperture:
-    """An opening inside the unit disc. Make one with `disc`, `gaussian`, `polygon` or `image`.
+    """An aperture inside the unit disc. Make one with `disc`, `gaussian`, `polygon` or `image`.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Aperture:
     scale : (x, y)
         Anamorphic squeeze, each in (0, 1] for openings inside the lens disc; up to 4 is taken.
     deviation : float
-        Standard deviation of a Gaussian opening [lens radii]; inf: transmission is even.
+        Standard deviation of a Gaussian aperture [lens radii]; inf: transmission is even.
     """
 
     boundary: Float
@@ -59,7 +59,7 @@ class Aperture:
 
     @classmethod
     def disc(cls, ratio: float = 1.0) -> "Aperture":
-        """A full disc; `ratio` is width / height of the opening (anamorphic lens)."""
+        """A full disc; `ratio` is width / height of the aperture (anamorphic lens)."""
         return cls(np.zeros((0, 2)), np.zeros((0, 0)), _squeeze(ratio))
 
     @classmethod
@@ -72,7 +72,7 @@ class Aperture:
             [lens radii], 0.01 .. 100. 0.5 is the spread of an even disc: both have the variance 1/4 along each axis
             before the Gaussian is cut.
         ratio : float
-            Width / height of the opening.
+            Width / height of the aperture.
         """
         deviation = as_number("deviation", deviation, minimum=0.01, maximum=100.0)
         return cls(np.zeros((0, 2)), np.zeros((0, 0)), _squeeze(ratio), deviation)
@@ -91,7 +91,7 @@ class Aperture:
             0: straight blades; 1: the blades are arcs of the lens circle; between them, circular arcs
             through the corners whose height is in proportion.
         ratio : float
-            Width / height of the opening.
+            Width / height of the aperture.
         """
         blades = as_integer("blades", blades, minimum=3, maximum=64)
         rotation = math.radians(as_number("rotation", rotation))
@@ -125,7 +125,7 @@ class Aperture:
 
     @property
     def reach(self) -> float:
-        """Largest distance of a point of the opening from the centre; above 1 only for texels on an image's rim."""
+        """Largest distance of a point of the aperture from the centre; above 1 only for texels on an image's rim."""
         if not self.is_image:
             return 1.0
         height, width = self.weights.shape
@@ -143,7 +143,7 @@ class Aperture:
         return rows / rows[-1], texels / np.maximum(texels[:, -1:], np.finfo(float).tiny)
 
     def from_square(self, square: Float) -> Float:
-        """Map points of the unit square (N, 2) to the opening (N, 2), keeping areas in proportion to the light."""
+        """Map points of the unit square (N, 2) to the aperture (N, 2), keeping areas in proportion to the light."""
         square = as_float("square", square, (None, 2), dtype=np.float64, minimum=0.0)
         if square.size and square.max() > 1.0:
             raise InputError(f"square: largest value is {square.max():g}; allowed are values <= 1")
@@ -164,7 +164,7 @@ class Aperture:
 
 @kernel
 def _opening_points(square, boundary, row_sums, texel_sums, deviation):
-    """Points (N, 2) of the opening before its squeeze."""
+    """Points (N, 2) of the aperture before its squeeze."""
     points = np.empty_like(square)
     for k in prange(len(square)):
         u, v = square[k, 0], square[k, 1]

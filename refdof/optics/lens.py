@@ -31,7 +31,7 @@ class ThinLens:
     focus_distance : float
         Planar distance of the plane in focus [scene units], > 0; ``inf`` is allowed.
     aperture : Aperture
-        Shape of the opening inside the lens disc.
+        Shape of the aperture inside the lens disc.
 
     Raises
     ------

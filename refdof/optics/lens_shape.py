@@ -1,4 +1,4 @@
-"""The shape of an opening: its moments, how dense light is in it, and the way back into it.
+"""The shape of an aperture: its moments, how dense light is in it, and the way back into it.
 
 Points are on the unit lens disc, x right, y up, as the aperture's squeeze leaves them.
 """
@@ -20,7 +20,7 @@ _INSET = 2.0**-10  # of a texel: how far inside a clear one the middle lies if i
 
 
 class Moments(NamedTuple):
-    """Of the light in an opening: its mean (2,) and covariance (2, 2)."""
+    """Of the light in an aperture: its mean (2,) and covariance (2, 2)."""
 
     mean: Float
     covariance: Float
@@ -73,7 +73,8 @@ def density(aperture: Aperture, points: Float) -> Float:
 
 
 def widened(aperture: Aperture, margin: float) -> tuple[Aperture, float]:
-    """The opening grown by about `margin` on all sides, at most to 9 times its light, and its light over the opening's.
+    """The aperture grown by about `margin` on all sides, at most to 9 times its light, and its light over the
+    aperture's.
 
     The density is the same inside; beyond, it goes on, in an image as in the nearest clear texel.
     """
@@ -106,7 +107,7 @@ def widened(aperture: Aperture, margin: float) -> tuple[Aperture, float]:
 
 
 def is_inside(aperture: Aperture, points: Float) -> NDArray[np.bool_]:
-    """Whether points (N, 2) lie in the opening, an image's on a clear texel: (N,) bool."""
+    """Whether points (N, 2) lie in the aperture, an image's on a clear texel: (N,) bool."""
     if aperture.is_image:
         return aperture.transmission(points) > 0.0
     plain = points / np.asarray(aperture.scale)
@@ -114,7 +115,7 @@ def is_inside(aperture: Aperture, points: Float) -> NDArray[np.bool_]:
 
 
 def mirrored(aperture: Aperture, points: Float) -> Float:
-    """Points (N, 2) with those outside an opening that is no image mirrored at its rim, on the line to its centre."""
+    """Points (N, 2) with those outside an aperture that is no image mirrored at its rim, on the line to its centre."""
     scale = np.asarray(aperture.scale)
     plain = points / scale
     reach = np.hypot(plain[:, 0], plain[:, 1])
@@ -124,7 +125,7 @@ def mirrored(aperture: Aperture, points: Float) -> Float:
 
 
 def middle(aperture: Aperture) -> Float:
-    """The point (2,) of the opening that is nearest to the mean of its light."""
+    """The point (2,) of the aperture that is nearest to the mean of its light."""
     mean = moments(aperture).mean
     if is_inside(aperture, mean[None])[0]:
         return mean

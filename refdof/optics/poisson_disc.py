@@ -1,14 +1,14 @@
-"""Poisson-disc points on an opening: darts that keep their distance, moved until their moments are the opening's.
+"""Poisson-disc points on an aperture: darts that keep their distance, moved until their moments are the aperture's.
 
-1. Throw darts on a wider opening, those on the opening count                 `_darts`
-2. Shift and shear the points to the opening's mean and covariance            `_with_moments`
+1. Throw darts on a wider aperture, those on the aperture count                 `_darts`
+2. Shift and shear the points to the aperture's mean and covariance            `_with_moments`
 3. Push apart what came too near, pull in what came outside; go on with 2      `_repaired`
 
 A dart keeps `RELATIVE_DISTANCE` times the distance of the densest packing of as many points at its density, sqrt(2 /
-(sqrt(3) n)) with n points per area, from all others; of two darts the smaller distance counts. Where the opening has no
-room for so many, the distance shrinks until it has. Mean and covariance are the opening's to rounding, a single point
-lies in the middle, and two points have the trace of the covariance; where the opening has no room for that, as images
-of few texels have none for few points, they are as near as the steps came.
+(sqrt(3) n)) with n points per area, from all others; of two darts the smaller distance counts. Where the aperture has
+no room for so many, the distance shrinks until it has. Mean and covariance are the aperture's to rounding, a single
+point lies in the middle, and two points have the trace of the covariance; where the aperture has no room for that, as
+images of few texels have none for few points, they are as near as the steps came.
 
 References
 ----------
@@ -27,10 +27,10 @@ from refdof.optics.lens_shape import Moments, density, is_inside, middle, mirror
 __all__ = ["RELATIVE_DISTANCE", "poisson_disc"]
 
 RELATIVE_DISTANCE = 0.7  # [1]: of the largest that `count` points can keep
-_RIM = 2.0  # distances by which darts may miss the opening: on the opening alone they would crowd at its rim
+_RIM = 2.0  # distances by which darts may miss the aperture: on the aperture alone they would crowd at its rim
 _WIDEST_RIM = 0.5  # lens radii
 _LEAST_DARTS, _MOST_DARTS = 64, 1 << 16  # per volley; otherwise as many as points are wanted
-_IDLE_VOLLEYS = 30  # that may add nothing: then the opening is full
+_IDLE_VOLLEYS = 30  # that may add nothing: then the aperture is full
 _TRIES = 4  # to fill it at one distance, before that shrinks
 _SHRINK = 0.98
 _THROWS = 4  # on an image, whose parts points cannot change: the set nearest to its moments is taken
@@ -40,7 +40,7 @@ _CLOSE = 1e-14  # lens radii (squared): moments as good as equal
 
 
 def poisson_disc(aperture: Aperture, count: int, rng: np.random.Generator) -> Float:
-    """Points (count, 2) on the opening of `aperture`, in units of the lens radius."""
+    """Points (count, 2) on the aperture of `aperture`, in units of the lens radius."""
     if count == 1:
         return middle(aperture)[None]
     goal = moments(aperture)
@@ -117,7 +117,7 @@ def _near_pairs(points: Float, reach: Float) -> Index:
 
 
 def _is_kept(aperture: Aperture, points: Float, share: float) -> bool:
-    """Whether all points lie in the opening and keep their distance."""
+    """Whether all points lie in the aperture and keep their distance."""
     return bool(
         is_inside(aperture, points).all()
         and len(_near_pairs(points, _reach(aperture, points, share, len(points)))) == 0
@@ -125,7 +125,7 @@ def _is_kept(aperture: Aperture, points: Float, share: float) -> bool:
 
 
 def _miss(goal: Moments, points: Float) -> float:
-    """Largest difference of mean and covariance from the opening's; of two points only the trace counts."""
+    """Largest difference of mean and covariance from the aperture's; of two points only the trace counts."""
     offset = points - points.mean(axis=0)
     off = offset.T @ offset / len(points) - goal.covariance
     if len(points) == 2:
@@ -151,7 +151,7 @@ def _root(matrix: Float) -> Float:
 
 
 def _repaired(aperture: Aperture, moved: Float, before: Float, share: float) -> Float:
-    """Push pairs apart that came too near, then mirror what left the opening; in an image it stays where it was."""
+    """Push pairs apart that came too near, then mirror what left the aperture; in an image it stays where it was."""
     if aperture.is_image:
         moved = np.where(is_inside(aperture, moved)[:, None], moved, before)
     reach = _reach(aperture, moved, share, len(moved)) * _SLACK

@@ -3,8 +3,8 @@
 1. read the file; whatever goes wrong becomes one line     `_read`
 2. every mesh, placed by its node                          `_part`
 3. its colours and textures, made linear                   `_Looks`
-4. the file's own normals, or smooth ones with creases     `refdof.scene.normals`
-5. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf_camera`, `refdof.scene.suggest`
+4. the file's own normals, or smooth ones with creases     `refdof.scene.smooth_normals`
+5. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf_camera`, `refdof.scene.framing`
 
 What is left out: points, lines, animation, transparency, and every texture but that of the base colour.
 Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
@@ -23,10 +23,10 @@ import trimesh
 from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index, as_path
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf_camera import gltf_camera, without_cameras
-from refdof.scene.normals import smooth_normals
 from refdof.scene.scene import SHADINGS, Light, Material, Part, Scene
-from refdof.scene.suggest import suggest_camera, suggest_lens, up_axis
+from refdof.scene.smooth_normals import smooth_normals
 
 __all__ = ["load_mesh"]
 
@@ -85,8 +85,8 @@ def load_mesh(
     if not len(scene.faces):
         raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
     up = 1 if _suffix(path) in _GLTF else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
-    own = gltf_camera(path) if _suffix(path) in _GLTF else None
-    camera = own or suggest_camera(scene.vertices, scene.faces, up)
+    file_camera = gltf_camera(path) if _suffix(path) in _GLTF else None
+    camera = file_camera or suggest_camera(scene.vertices, scene.faces, up)
     lens = suggest_lens(scene.vertices, scene.faces, camera)
     x, y, z = scene.light.sun_direction
     light = Light() if up == 1 else Light(sun_direction=(x, -z, y))  # the sun stands above the model's front
@@ -143,7 +143,7 @@ def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
     vertices = as_float("vertices", mesh.vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", mesh.faces, (None, 3), end=len(vertices))
     vertices = vertices @ world[:3, :3].T + world[:3, 3]
-    normal = _own_normals(mesh, world)
+    normal = _file_normals(mesh, world)
     uv, color, material = looks.of(mesh)
     if mesh.visual.kind == "face" and color is not None:  # every face gets corners of its own
         source, faces = faces.ravel(), np.arange(faces.size).reshape(-1, 3)
@@ -157,7 +157,7 @@ def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
     return Part(vertices, faces, material, uv, color, normal)
 
 
-def _own_normals(mesh: Any, world: Float) -> Float | None:
+def _file_normals(mesh: Any, world: Float) -> Float | None:
     """Unit normals (V, 3) that the file states, in world space; None if it states none or a useless one."""
     if "vertex_normals" not in mesh._cache:  # asking the mesh itself would compute them
         return None

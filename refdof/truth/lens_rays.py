@@ -19,9 +19,9 @@ import numpy as np
 from refdof._check import Index
 from refdof._jit import borrow, call_address, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
-from refdof.optics.opening import borrow_opening, is_plain_disc, lens_point
-from refdof.optics.owen import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
-from refdof.raster.rays.raycast import LANES, ROWS, Row
+from refdof.optics.aperture_sampling import borrow_aperture_sampler, is_plain_disc, lens_point
+from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
+from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 
@@ -41,7 +41,9 @@ def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
 
 
 @tile_kernel
-def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, seed, shared, box, packets, sums):
+def trace_block(
+    surfaces, scene, packet, query, projection, aperture_sampler, block, pixels, seed, shared, box, packets, sums
+):
     """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2).
 
     seed: uint32. shared: one pattern for all pixels. box: sample the pixel's area, not its centre. packets
@@ -63,7 +65,7 @@ def trace_block(surfaces, scene, packet, query, shot, opening, block, pixels, se
             part = pixels[first : first + chunk]
             total = sums[replicate : replicate + group, first : first + chunk]
             start = (np.uint32(seed), replicate, shared)
-            _trace(surfaces, scene, packet, shot, opening, block, part, cells, start, box, work, total)
+            _trace(surfaces, scene, packet, projection, aperture_sampler, block, part, cells, start, box, work, total)
 
 
 @inline
@@ -75,12 +77,16 @@ def _cells_together(cells):
 
 
 @tile_kernel
-def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, start, box, work, sums):
+def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels, cells, start, box, work, sums):
     """Trace one block for sums (G, N, 3), as many pixels and replicates as the working memory holds.
 
     A strand is one pixel in one replicate; strand p G + g.
     """
-    surfaces, opening, block = borrow_surfaces(surfaces), borrow_opening(opening), borrow_block(block)
+    surfaces, aperture_sampler, block = (
+        borrow_surfaces(surfaces),
+        borrow_aperture_sampler(aperture_sampler),
+        borrow_block(block),
+    )
     packets, integers, pixels = borrow(work[0]), borrow(work[0].view(np.int32)), borrow(pixels)
     first_packet, stride = work[0].ctypes.data, 4 * ROWS * LANES
     valid, arguments = work[1].ctypes.data, work[1].ctypes.data + 64
@@ -89,7 +95,7 @@ def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, start, 
     column_of, row_of, totals = borrow(work[5]), borrow(work[6]), borrow(work[7])[:strands]
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
-    _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of)
+    _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of)
     _fill_constants(packets, integers)
     for first in range(0, len(block.cells), cells):
         for k in range(cells):
@@ -101,8 +107,8 @@ def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, start, 
                 _square_points(block, 2, column_of[column], row_of[row], seeds[2], seeds[3], dx, dy)
             else:
                 dx[:], dy[:] = 0.5, 0.5
-            _on_lens(opening, x, y)
-            _towards_focus(shot, tangents[0], tangents[1], x, y, dx, dy)
+            _on_lens(aperture_sampler, x, y)
+            _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
             call_address(packet, valid, scene, first_packet + k * stride, arguments)
@@ -114,16 +120,16 @@ def _trace(surfaces, scene, packet, shot, opening, block, pixels, cells, start, 
 
 
 @inline
-def _start_strands(shot, pixels, group, start, tangents, seeds, column_of, row_of):
+def _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of):
     """Draw every strand's scramble and note where it sends the columns and rows of lens cells."""
     seed, replicate, shared = start
-    scale = 1.0 / shot.pixels_per_tangent
+    scale = 1.0 / projection.pixels_per_tangent
     for p in range(len(pixels)):
-        identity = 0 if shared else pixels[p, 1] * shot.width + pixels[p, 0]
+        identity = 0 if shared else pixels[p, 1] * projection.width + pixels[p, 0]
         for g in range(group):
             s = p * group + g
-            tangents[0, s] = (pixels[p, 0] - 0.5 * shot.width) * scale
-            tangents[1, s] = (0.5 * shot.height - pixels[p, 1]) * scale
+            tangents[0, s] = (pixels[p, 0] - 0.5 * projection.width) * scale
+            tangents[1, s] = (0.5 * projection.height - pixels[p, 1]) * scale
             state = scramble_state(seed, replicate + g, identity)
             for k in range(4):
                 seeds[k, s] = axis_seed(state, k)
@@ -164,20 +170,20 @@ def _square_points(block, axis, columns, rows, seeds_x, seeds_y, x, y):
 
 
 @inline
-def _on_lens(opening, x, y):
+def _on_lens(aperture_sampler, x, y):
     """Turn square points into lens points, in units of the radius, in place."""
-    if is_plain_disc(opening):
+    if is_plain_disc(aperture_sampler):
         for s in range(len(x)):
             x[s], y[s] = concentric_disc(x[s], y[s])
     else:
         for s in range(len(x)):
-            x[s], y[s] = lens_point(opening, x[s], y[s])
+            x[s], y[s] = lens_point(aperture_sampler, x[s], y[s])
 
 
 @inline
-def _towards_focus(shot, right, up, x, y, dx, dy):
+def _towards_focus(projection, right, up, x, y, dx, dy):
     """Turn lens points and places in the pixel into origins and directions, in place."""
-    scale, radius, focus = 1.0 / shot.pixels_per_tangent, shot.lens_radius, shot.inverse_focus
+    scale, radius, focus = 1.0 / projection.pixels_per_tangent, projection.lens_radius, projection.inverse_focus
     for s in range(len(x)):
         x[s] *= radius
         dx[s] = right[s] + dx[s] * scale - x[s] * focus

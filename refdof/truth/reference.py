@@ -1,7 +1,7 @@
 """The reference: thin-lens pictures by ray casting, with an error bar at every pixel.
 
 1. Split the picture into tiles; a tile's rays are made, traced and shaded at once   `refdof.truth.lens_rays`
-2. Estimate every pixel R times with independent scrambles of one net                `refdof.optics.owen`
+2. Estimate every pixel R times with independent scrambles of one net                `refdof.optics.owen_sobol`
 3. The mean is the picture; the spread of the R estimates is its error                `refdof.truth.error_bar`
 4. With a tolerance, double the net of the pixels whose error is too large            `refdof.truth.tile_sampler`
 
@@ -28,7 +28,7 @@ from refdof._jit import run_tasks
 from refdof.image.noise_floor import GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.optics.owen import MAX_LOG2
+from refdof.optics.owen_sobol import MAX_LOG2
 from refdof.scene.scene import Scene
 from refdof.truth.error_bar import excess
 from refdof.truth.tile_sampler import Spend, TileSampler

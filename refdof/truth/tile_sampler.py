@@ -10,12 +10,12 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof.image.noise_floor import GROUPS, noise_moments
-from refdof.optics.opening import opening_of
-from refdof.optics.owen import block_of
-from refdof.raster.rays.raycast import new_packets, new_query
+from refdof.optics.aperture_sampling import aperture_sampler_of
+from refdof.optics.owen_sobol import block_of
+from refdof.raster.rays.embree import new_packets, new_query
+from refdof.truth.emitters import first_samples
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
 from refdof.truth.lens_rays import tile_order, trace_block
-from refdof.truth.small_lights import first_samples
 from refdof.view import View
 
 __all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "power_of_two"]
@@ -56,8 +56,8 @@ class TileSampler:
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
         self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
-        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.shot()
-        self._opening = opening_of(view.lens.aperture)
+        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.projection()
+        self._opening = aperture_sampler_of(view.lens.aperture)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:

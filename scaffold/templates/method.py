@@ -22,8 +22,8 @@ import numpy as np
 from refdof._check import Float, as_instance, as_number
 from refdof._jit import kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
-from refdof.methods._images import as_images, within
-from refdof.trace import Trace
+from refdof.methods._image_validation import as_images, within
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -64,7 +64,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, trace)
 
@@ -98,10 +98,10 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     """
     as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)
-    return _blur(color, coc, params, Trace())
+    return _blur(color, coc, params, StageRecorder())
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     """`blur` behind the gate."""
     radius = np.minimum(np.abs(coc).astype(np.float64), params.largest_px)
     trace.record("coc", lambda: coc)

@@ -5,7 +5,7 @@ import pytest
 
 from refdof import Camera
 from refdof.raster.gpu.gpu_model import D3D11, LLVMPIPE
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 from tests.gl import geometry
 
 pytestmark = pytest.mark.gl

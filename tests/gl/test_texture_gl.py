@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from refdof.methods.multiview.coverage import coverage_mipmaps
-from refdof.raster.filters.mipmap import generate_mipmaps
+from refdof.raster.filters.mip_chain import generate_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
 from tests.gl import shader

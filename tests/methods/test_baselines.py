@@ -12,8 +12,8 @@ import refdof
 from refdof import InputError, ThinLens, View
 from refdof.methods import METHODS, poisson, pyramidal, scatter, separable
 from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
-from refdof.trace import Trace
-from tests import stage
+from refdof.stages import StageRecorder
+from tests import flat_scene
 from tests.methods import naive_baselines
 
 pytestmark = pytest.mark.fast
@@ -239,9 +239,11 @@ def test_the_unit_of_length_changes_no_bit(name, exponent):
     ],
 )
 def test_rendering_records_its_stages(name, stages):
-    shot, lens = stage.camera(24, 18, 24.0), ThinLens(0.5, 4.0)  # -3 px on the card, 3 px behind it
-    view = View(stage.scene_of([stage.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
-    trace = Trace(on=True)
+    shot, lens = flat_scene.camera(24, 18, 24.0), ThinLens(0.5, 4.0)  # -3 px on the card, 3 px behind it
+    view = View(
+        flat_scene.scene_of([flat_scene.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens
+    )
+    trace = StageRecorder(on=True)
     image = METHODS[name].render(view, METHODS[name].Params(), trace)
     assert list(trace.stages) == stages
     assert image.dtype == np.float32

@@ -23,7 +23,7 @@ def quad(x0, y0, x1, y1, z, color, **words):
     return Part(corners, np.array([[0, 1, 2], [0, 2, 3]]), Material("unlit", base_color=color, **words))
 
 
-def stage(*parts, radius=0.25, focus=4.0, background=(0.0, 0.0, 0.0), camera=CAMERA):
+def flat_scene(*parts, radius=0.25, focus=4.0, background=(0.0, 0.0, 0.0), camera=CAMERA):
     return Scene.from_parts("stage", parts, camera, ThinLens(radius, focus), background)
 
 
@@ -57,7 +57,7 @@ def test_same_door(name):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_picture_is_finite_float32(name):
-    scene = stage(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1)), background=(0.1, 0.2, 0.3))
+    scene = flat_scene(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1)), background=(0.1, 0.2, 0.3))
     image = render(name, scene).image
     assert image.shape == (16, 24, 3)
     assert image.dtype == np.float32
@@ -67,13 +67,13 @@ def test_picture_is_finite_float32(name):
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (13, 1)])
 def test_degenerate_sizes(name, size):
-    scene = stage(quad(-1, -1, 1, 1, 0.0, (0.5, 0.5, 0.5)))
+    scene = flat_scene(quad(-1, -1, 1, 1, 0.0, (0.5, 0.5, 0.5)))
     assert render(name, scene, CAMERA.with_size(size)).image.shape == (size[1], size[0], 3)
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_scene_behind_the_camera_is_background(name):
-    image = render(name, stage(quad(-1, -1, 1, 1, 9.0, (1, 0, 0)), background=(0.25, 0.5, 0.75))).image
+    image = render(name, flat_scene(quad(-1, -1, 1, 1, 9.0, (1, 0, 0)), background=(0.25, 0.5, 0.75))).image
     # 4 ulp: running means of one colour may round.
     np.testing.assert_allclose(image, np.broadcast_to([0.25, 0.5, 0.75], image.shape), rtol=5e-7)
 
@@ -82,13 +82,13 @@ def test_scene_behind_the_camera_is_background(name):
 def test_unknown_parameter_names_the_nearest(name):
     field = fields(METHODS[name].Params)[0].name
     with pytest.raises(InputError, match=f"did you mean '{field}'"):
-        render(name, stage(), **{field + "s": 1})
+        render(name, flat_scene(), **{field + "s": 1})
 
 
 @pytest.mark.parametrize("name", promising("constant"))
 def test_constant(name):
     color = (0.3, 0.6, 0.9)
-    scene = stage(quad(-9, -9, 0, 9, 2.0, color), quad(-9, -9, 9, 9, -3.0, color), background=color)
+    scene = flat_scene(quad(-9, -9, 0, 9, 2.0, color), quad(-9, -9, 9, 9, -3.0, color), background=color)
     image = render(name, scene).image
     # Sums of up to 400 equal float32 terms: 400 roundings of half an ulp, which mostly cancel; 1e-5 bounds the worst.
     np.testing.assert_allclose(image, np.broadcast_to(color, image.shape), rtol=1e-5)
@@ -96,7 +96,7 @@ def test_constant(name):
 
 @pytest.mark.parametrize("name", promising("pinhole"))
 def test_pinhole(name):
-    scene = stage(quad(-9, -9, 0.2, 9, 1.0, (0.8, 0.2, 0.1)), radius=0.0, background=(0.1, 0.2, 0.3))
+    scene = flat_scene(quad(-9, -9, 0.2, 9, 1.0, (0.8, 0.2, 0.1)), radius=0.0, background=(0.1, 0.2, 0.3))
     image = render(name, scene).image
     edge = 12 + round(0.2 / 3.0 * CAMERA.pixels_per_tangent)  # x = 0.2 at depth 3
     row = image[8]
@@ -108,14 +108,14 @@ def test_pinhole(name):
 @pytest.mark.parametrize("name", promising("focus"))
 def test_focus(name):
     cards = [quad(-9, -9, 0.3, 9, 0.0, (0.8, 0.2, 0.1)), quad(0.3, -9, 9, 9, 0.0, (0.1, 0.9, 0.5))]
-    sharp = render(name, stage(*cards, radius=0.0)).image
-    np.testing.assert_allclose(render(name, stage(*cards, radius=0.5)).image, sharp, rtol=1e-5)  # as above
+    sharp = render(name, flat_scene(*cards, radius=0.0)).image
+    np.testing.assert_allclose(render(name, flat_scene(*cards, radius=0.5)).image, sharp, rtol=1e-5)  # as above
 
 
 @pytest.mark.parametrize("name", promising("convexity"))
 def test_convexity(name):
     cards = [quad(-1, -9, 0.1, 9, 1.5, (0.9, 0.9, 0.9)), quad(-9, -9, 9, 9, -4.0, (0.2, 0.2, 0.2))]
-    image = render(name, stage(*cards, radius=0.4)).image
+    image = render(name, flat_scene(*cards, radius=0.4)).image
     assert image.min() >= 0.2 * (1 - 1e-5)  # roundings, as above
     assert image.max() <= 0.9 * (1 + 1e-5)
 
@@ -124,7 +124,7 @@ def test_convexity(name):
 def test_energy(name):
     half = 3.0 * 4.0 / CAMERA.pixels_per_tangent  # a lamp of 6 x 6 pixels in the middle of the picture
     lamp = quad(-half, -half, half, half, 0.0, (0, 0, 0), emission=(5.0, 5.0, 5.0))
-    sharp, blurred = (render(name, stage(lamp, focus=f, radius=0.1)).image[..., 0].sum() for f in (4.0, 3.0))
+    sharp, blurred = (render(name, flat_scene(lamp, focus=f, radius=0.1)).image[..., 0].sum() for f in (4.0, 3.0))
     assert sharp == pytest.approx(36 * 5.0, rel=1e-6)
     # 64 stratified samples leave a pixel of the rim an error below 5 * 64^-0.75 = 0.22; 60 such pixels: 1.7 in the sum.
     assert blurred == pytest.approx(36 * 5.0, abs=4 * 1.7)
@@ -134,7 +134,7 @@ def test_energy(name):
 def test_symmetry(name):
     def cards(sign):
         low, high = sorted((-1.0 * sign, 0.2 * sign))
-        return stage(quad(low, -0.5, high, 1, 1.0, (0.8, 0.2, 0.1)), quad(-9, -9, 9, 9, -2.0, (0.1, 0.5, 0.3)))
+        return flat_scene(quad(low, -0.5, high, 1, 1.0, (0.8, 0.2, 0.1)), quad(-9, -9, 9, 9, -2.0, (0.1, 0.5, 0.3)))
 
     difference = render(name, cards(1)).image - render(name, cards(-1)).image[:, ::-1]
     # The error of 64 stratified samples at an edge of contrast 0.7 is below 0.7 * 64^-0.75 = 0.03 (one sigma), twice.
@@ -147,7 +147,7 @@ def test_occlusion(name):
     half = 2.0 / CAMERA.pixels_per_tangent  # one pixel at depth 2: the bar covers two columns whole
     bar = quad(-half, -9, half, 9, 2.0, (0, 0, 0))
     wall = quad(-9, -9, 9, 9, 0.0, (0.9, 0.9, 0.9))
-    image = render(name, stage(bar, wall, radius=0.25)).image
+    image = render(name, flat_scene(bar, wall, radius=0.25)).image
     # At depth 2, half-way to the focal plane, the ray of lens point v is at 2 x + 0.125 v, with x = -1/2 px. The bar
     # hides the v between its sides.
     x = -0.5 / CAMERA.pixels_per_tangent

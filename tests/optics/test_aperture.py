@@ -25,7 +25,7 @@ def midpoints(n):
 
 
 def outline(blades, rotation, curvature, ratio=1.0):
-    """The opening as a dense polygon: arcs through corners on the unit circle, with 2000 chords each."""
+    """The aperture as a dense polygon: arcs through corners on the unit circle, with 2000 chords each."""
     half = math.pi / blades
     height = curvature * (1.0 - math.cos(half))
     points = []
@@ -220,7 +220,7 @@ def test_reach_is_the_farthest_corner_of_a_clear_texel():
     assert Aperture.image(small).reach == 1.0
     shot = Camera.look_at((0, 0, 0), (0, 0, -1), size=(8, 6))
     wide, disc = (umbra_step(shot, ThinLens(0.5, 2.0, a)) for a in (Aperture.image(np.ones((1, 1))), Aperture.disc()))
-    assert wide == pytest.approx(disc / math.sqrt(2), rel=1e-14)  # a wider opening sees past more
+    assert wide == pytest.approx(disc / math.sqrt(2), rel=1e-14)  # a wider aperture sees past more
 
 
 def test_an_image_is_opaque_outside_the_disc_and_scaled_to_one():
@@ -235,7 +235,7 @@ def test_an_image_is_squeezed_with_its_disc():
     bright = np.zeros((4, 4))
     bright[1:3, 3] = 1.0
     points = [[0.4, 0.0], [0.9, 0.0], [0.2, 0.0]]
-    # At half the width the last column covers x in 0.25 .. 0.5; points beyond are outside the opening.
+    # At half the width the last column covers x in 0.25 .. 0.5; points beyond are outside the aperture.
     assert Aperture.image(bright, ratio=0.5).transmission(points)[[0, 2]].tolist() == [1, 0]
 
 

@@ -9,9 +9,9 @@ from scipy.stats import chisquare
 
 import refdof
 from refdof import Aperture, InputError, ThinLens
-from refdof.optics.opening import is_plain_disc, lens_point, opening_of
-from refdof.optics.sampling import PATTERNS, lens_samples
-from tests import stage
+from refdof.optics.aperture_sampling import aperture_sampler_of, is_plain_disc, lens_point
+from refdof.optics.lens_samples import PATTERNS, lens_samples
+from tests import flat_scene
 
 
 def light_inside(radius, deviation):
@@ -67,9 +67,9 @@ def test_a_wide_gaussian_is_the_even_disc():
 def test_kernels_draw_the_same_points():
     aperture = Aperture.gaussian(0.4, ratio=0.5)
     square = np.concatenate([np.random.default_rng(5).random((200, 2)), [[0.5, 0.5]]])
-    opening = opening_of(aperture)
-    assert not is_plain_disc(opening)
-    drawn = [lens_point(opening, u, v) for u, v in square]
+    aperture_sampler = aperture_sampler_of(aperture)
+    assert not is_plain_disc(aperture_sampler)
+    drawn = [lens_point(aperture_sampler, u, v) for u, v in square]
     np.testing.assert_allclose(drawn, aperture.from_square(square), rtol=0, atol=1e-15)
     assert drawn[-1] == (0.0, 0.0)
 
@@ -86,10 +86,10 @@ def test_every_pattern_has_equal_weights(pattern):
 @pytest.mark.parametrize("deviation", [0.5, 0.25])
 def test_an_edge_blurs_as_the_cut_gaussian_does(deviation):
     p, width, focus, depth = 24.0, 24, 4.0, 1.0
-    shot = stage.camera(width, 1, p)
-    card = stage.rectangle(-9, 0, -9, 9, depth, (1.0, 1.0, 1.0))
+    shot = flat_scene.camera(width, 1, p)
+    card = flat_scene.rectangle(-9, 0, -9, 9, depth, (1.0, 1.0, 1.0))
     lens = ThinLens(8.0 / (p * 0.75), focus, Aperture.gaussian(deviation))  # circles of -8 px on the card
-    truth = refdof.reference(stage.scene_of([card], shot), shot, lens, samples=4096)
+    truth = refdof.reference(flat_scene.scene_of([card], shot), shot, lens, samples=4096)
     # A pixel at x sees the card through lens points with x + 8 v < 12.
     expected = [edge_profile((12.0 - (x + 0.5)) / 8.0, deviation) for x in range(width)]
     error = np.maximum(truth.standard_error[0, :, 0], 1.0 / 4096)

@@ -8,17 +8,17 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Aperture
 from refdof._jit import tile_kernel
-from refdof.optics.lens_pattern import lens_pattern
-from refdof.optics.opening import lens_point, opening_of
-from refdof.optics.sampling import lens_samples
+from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
+from refdof.optics.lens_samples import lens_samples
+from refdof.optics.pixel_samples import lens_pattern
 
 pytestmark = pytest.mark.fast
 
 
 def test_jitter_along_x_and_y_is_drawn_apart():
-    # A square opening takes the unit square's areas: of jittered points in 20 x 20 cells, the places inside the cells.
+    # A square aperture takes the unit square's areas: of jittered points in 20 x 20 cells, the places inside the cells.
     points, _ = lens_samples(400, "jittered", 3, Aperture.polygon(4))
-    # The opening's four sectors: `from_square` maps x to the sector and the place along its side, y to the squared
+    # The aperture's four sectors: `from_square` maps x to the sector and the place along its side, y to the squared
     # radius. Undo it.
     x, y = points.T
     angle = np.arctan2(y, x) % (2.0 * np.pi)
@@ -36,7 +36,7 @@ def test_jitter_along_x_and_y_is_drawn_apart():
 
 def test_noise_moves_each_point_by_a_pair_of_numbers_of_its_own():
     # Sixteen points, sixteen ordered pairs out of four numbers: of four points the two numbers are one and the same, of
-    # the others they are independent. A wide square opening keeps the inner points from being mirrored at the rim.
+    # the others they are independent. A wide square aperture keeps the inner points from being mirrored at the rim.
     aperture = Aperture.disc()
     still = lens_pattern(16, aperture, "none", "sobol", 5).points[0]
     moved = lens_pattern(16, aperture, "noise", "sobol", 5).points
@@ -92,22 +92,22 @@ def test_radii_of_a_gaussian_opening_by_its_integral(deviation):
 
 
 @tile_kernel
-def point_of(opening, u, v):
-    return lens_point(opening, u, v)
+def point_of(aperture_sampler, u, v):
+    return lens_point(aperture_sampler, u, v)
 
 
 def test_lens_points_of_kernels_by_hand():
     # A Gaussian is round: along the upper half of the square's middle the radius is that of the right half.
-    opening = opening_of(Aperture.gaussian(0.5))
-    right, up = point_of(opening, 0.8, 0.5), point_of(opening, 0.5, 0.8)
+    aperture_sampler = aperture_sampler_of(Aperture.gaussian(0.5))
+    right, up = point_of(aperture_sampler, 0.8, 0.5), point_of(aperture_sampler, 0.5, 0.8)
     assert_allclose(right[0], 0.5 * math.sqrt(-2.0 * math.log(1.0 - 0.36 * (1.0 - math.exp(-2.0)))), rtol=1e-12)
     assert_allclose([up[1], right[1], up[0]], [right[0], 0.0, 0.0], atol=1e-15)
     # Two texels side by side, of 1/4 and 3/4 of the light: u = 1/8 is the middle of the left one, u = 5/8 of the right
     # one. v = 0.9 is a tenth above the lower border.
-    opening = opening_of(Aperture.image(np.array([[1.0, 3.0]])))
-    assert_allclose(point_of(opening, 0.125, 0.9), (-0.5, -0.8), rtol=1e-12)
-    assert_allclose(point_of(opening, 0.625, 0.9), (0.5, -0.8), rtol=1e-12)
+    aperture_sampler = aperture_sampler_of(Aperture.image(np.array([[1.0, 3.0]])))
+    assert_allclose(point_of(aperture_sampler, 0.125, 0.9), (-0.5, -0.8), rtol=1e-12)
+    assert_allclose(point_of(aperture_sampler, 0.625, 0.9), (0.5, -0.8), rtol=1e-12)
     # One above the other: rows are drawn by v, the first on top.
-    opening = opening_of(Aperture.image(np.array([[1.0], [3.0]])))
-    assert_allclose(point_of(opening, 0.9, 0.125), (0.8, 0.5), rtol=1e-12)
-    assert_allclose(point_of(opening, 0.9, 0.625), (0.8, -0.5), rtol=1e-12)
+    aperture_sampler = aperture_sampler_of(Aperture.image(np.array([[1.0], [3.0]])))
+    assert_allclose(point_of(aperture_sampler, 0.9, 0.125), (0.8, 0.5), rtol=1e-12)
+    assert_allclose(point_of(aperture_sampler, 0.9, 0.625), (0.8, -0.5), rtol=1e-12)

@@ -9,7 +9,7 @@ from PIL import Image
 from refdof.image.display import to_8_bit
 from refdof.report.crops import choose_crops
 from refdof.report.overview import write_overview
-from tests.made_up import comparison
+from tests.fake_comparison import comparison
 
 
 # Column and row sizes as laid out by hand: cell 480 px at most, 16 px margins, 12 px between cells; a band is

@@ -1,4 +1,4 @@
-"""The report of made-up comparisons: the same numbers everywhere, strict JSON, an offline page, a figure."""
+"""The report of fake comparisons: the same numbers everywhere, strict JSON, an offline page, a figure."""
 
 import base64
 import csv
@@ -19,7 +19,7 @@ from refdof.image.display import to_8_bit
 from refdof.image.file import load_image
 from refdof.metrics import METRICS, Metric, scores
 from refdof.report import markdown_table, page, rows_as_json, write_comparison, write_comparisons
-from tests.made_up import SCORES, comparison
+from tests.fake_comparison import SCORES, comparison
 
 
 def strict_json(text):

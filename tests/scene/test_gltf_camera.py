@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from refdof.scene.mesh_file import load_mesh
-from tests.files_by_hand import QUAD, gltf, write
+from tests.mesh_fixtures import QUAD, gltf, write
 
 CAMERA = {"type": "perspective", "perspective": {"yfov": np.pi / 2, "aspectRatio": 1.5, "znear": 0.1}}
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 from refdof._check import InputError
 from refdof.scene.mesh_file import load_mesh
-from tests.files_by_hand import LINEAR, PLY, QUAD, TEXELS, UV_UP, gltf, png, uri, write
+from tests.mesh_fixtures import LINEAR, PLY, QUAD, TEXELS, UV_UP, gltf, png, uri, write
 
 
 def texel_at(scene, corner):

@@ -6,7 +6,7 @@ import trimesh
 
 from refdof._check import InputError
 from refdof.scene.mesh_file import load_mesh
-from tests.files_by_hand import PLY, write
+from tests.mesh_fixtures import PLY, write
 
 BINARY_PLY = trimesh.creation.box().export(file_type="ply")
 BOX_GLB = trimesh.creation.box().export(file_type="glb")

@@ -1,4 +1,4 @@
-"""The blur of a lamp has the shape of the opening, upright behind the focal plane and turned before it."""
+"""The blur of a lamp has the shape of the aperture, upright behind the focal plane and turned before it."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 import refdof
 from refdof import Aperture, ThinLens, View
 from refdof.rendering import render_view
-from tests import stage
+from tests import flat_scene
 
 
 @pytest.mark.parametrize("depth", [2.0, 0.6])
@@ -16,12 +16,12 @@ def test_blur_has_the_shape_of_the_opening(depth):
     quarter = Aperture.image(np.array([[0.0, 1.0], [0.0, 0.0]]))  # right and up, centred on (1/2, 1/2)
     radius = abs(coc / (p * (1 / focus - 1 / depth)))
     half = 0.5 * depth / p
-    lamp = stage.rectangle(-half, half, -half, half, depth, (100.0,) * 3)
-    shot = stage.camera(size, size, p)
+    lamp = flat_scene.rectangle(-half, half, -half, half, depth, (100.0,) * 3)
+    shot = flat_scene.camera(size, size, p)
     x, y = np.meshgrid(np.arange(size) - size // 2, size // 2 - np.arange(size))
     for opening, shift, third in ((quarter, 0.5, None), (Aperture.polygon(3), 0.0, 0.025)):
         result = refdof.reference(
-            stage.scene_of([lamp], shot), shot, ThinLens(radius, focus, opening), samples=8192, pixel_filter="box"
+            flat_scene.scene_of([lamp], shot), shot, ThinLens(radius, focus, opening), samples=8192, pixel_filter="box"
         )
         red, error = result.image[..., 0].astype(float), result.standard_error[..., 0].astype(float)
         # A point behind the focal plane moves with the lens point, one before it against it. Four standard errors
@@ -38,9 +38,9 @@ def test_blur_has_the_shape_of_the_opening(depth):
 
 def edge_view(depth, aperture):
     """A white card right of x = 20 px before black, 40 x 12 px: circles of 20 (1 / 2 - 1 / depth) px."""
-    shot = stage.camera(40, 12, 10.0)
-    card = stage.rectangle(0.0, 99.0, -99.0, 99.0, depth)
-    return View(stage.scene_of([card], shot), shot, ThinLens(2.0, 2.0, aperture))
+    shot = flat_scene.camera(40, 12, 10.0)
+    card = flat_scene.rectangle(0.0, 99.0, -99.0, 99.0, depth)
+    return View(flat_scene.scene_of([card], shot), shot, ThinLens(2.0, 2.0, aperture))
 
 
 @pytest.mark.parametrize("depth", [1.5, 4.0])

@@ -9,7 +9,7 @@ import pytest
 
 import refdof
 from refdof import Part, ThinLens
-from tests import stage
+from tests import flat_scene
 from tests.closed_forms import half_disc
 
 COUNTS = 2 ** np.arange(6, 13)
@@ -20,8 +20,8 @@ EDGES, SIDE = 64, 5
 def edges():
     """(scene, truth (H, W)) of half-planes at random directions and places, seen with a circle of 4 pixels."""
     random = np.random.default_rng(0)
-    shot, lens = stage.camera(SIDE, SIDE, 8.0), ThinLens(1.0, 1.0)
-    x, y = (8.0 * t for t in stage.tangents(SIDE, SIDE, 8.0))
+    shot, lens = flat_scene.camera(SIDE, SIDE, 8.0), ThinLens(1.0, 1.0)
+    x, y = (8.0 * t for t in flat_scene.tangents(SIDE, SIDE, 8.0))
     pairs = []
     for angle, place in zip(random.uniform(0, 2 * np.pi, EDGES), random.uniform(-2, 2, EDGES), strict=True):
         normal, along = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
@@ -33,7 +33,7 @@ def edges():
             foot - 99 * along - 99 * normal,
         ]
         points = np.column_stack([np.array(corners) * 2.0 / 8.0, np.full(4, -2.0)])  # at depth 2
-        scene = stage.scene_of([Part(points, [[0, 1, 2], [0, 2, 3]], stage.paint((1.0,) * 3))], shot, lens)
+        scene = flat_scene.scene_of([Part(points, [[0, 1, 2], [0, 2, 3]], flat_scene.paint((1.0,) * 3))], shot, lens)
         # 8 px * 1 * (1 / 1 - 1 / 2) = 4 px.
         pairs.append((scene, half_disc((place - x * normal[0] - y * normal[1]) / 4.0)))
     return pairs

@@ -8,7 +8,7 @@ from refdof import ThinLens
 from refdof.image.display import display
 from refdof.image.noise_floor import floor_of_moments, noise_moments
 from refdof.truth.error_bar import student_quantile
-from tests import stage
+from tests import flat_scene
 from tests.cards import TRUTH_ERROR, lens_shares, random_cards
 from tests.closed_forms import half_disc
 
@@ -19,12 +19,12 @@ ROUNDING = 1e-6  # float32
 
 def edges(*places):
     """A white card between edges at x = `places` [px from the middle], seen with a circle of 8 px; scene, truth."""
-    shot, lens = stage.camera(WIDTH, HEIGHT, P), ThinLens(0.5, 1.0)  # 32 * 0.5 * (1 / 1 - 1 / 2) = 8 px at depth 2
+    shot, lens = flat_scene.camera(WIDTH, HEIGHT, P), ThinLens(0.5, 1.0)  # 32 * 0.5 * (1 / 1 - 1 / 2) = 8 px at depth 2
     left, right = places
-    card = stage.rectangle(left * 2 / P, right * 2 / P, -99, 99, 2.0)
+    card = flat_scene.rectangle(left * 2 / P, right * 2 / P, -99, 99, 2.0)
     x = np.arange(WIDTH) + 0.5 - WIDTH / 2
     truth = half_disc((right - x) / CIRCLE) - half_disc((left - x) / CIRCLE)
-    return [(stage.scene_of([card], shot, lens), np.broadcast_to(truth[:, None], (HEIGHT, WIDTH, 3)), 0.0)]
+    return [(flat_scene.scene_of([card], shot, lens), np.broadcast_to(truth[:, None], (HEIGHT, WIDTH, 3)), 0.0)]
 
 
 def cards():
@@ -77,13 +77,16 @@ def lamp():
         half = 0.5 * depth / p
         outlines.append(half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) + np.array([x, y]) * depth / p)
         depths.append(depth)
-    share = lens_shares(outlines, depths, stage.tangents(width, height, p), radius, focus)
+    share = lens_shares(outlines, depths, flat_scene.tangents(width, height, p), radius, focus)
     truth = share[..., :-1].sum(axis=-1) * LAMP + share[..., -1] * BACK
     parts = [
-        stage.rectangle(*o[[0, 1], 0], *o[[1, 2], 1], d, (LAMP,) * 3) for o, d in zip(outlines, depths, strict=True)
+        flat_scene.rectangle(*o[[0, 1], 0], *o[[1, 2], 1], d, (LAMP,) * 3)
+        for o, d in zip(outlines, depths, strict=True)
     ]
-    shot = stage.camera(width, height, p)
-    return stage.scene_of(parts, shot, ThinLens(radius, focus), (BACK,) * 3), np.repeat(truth[..., None], 3, axis=-1)
+    shot = flat_scene.camera(width, height, p)
+    return flat_scene.scene_of(parts, shot, ThinLens(radius, focus), (BACK,) * 3), np.repeat(
+        truth[..., None], 3, axis=-1
+    )
 
 
 @pytest.mark.parametrize("samples", [64, 256, 1024])

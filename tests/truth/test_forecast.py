@@ -5,16 +5,16 @@ import pytest
 
 import refdof
 from refdof import Forecast, ThinLens
-from tests import stage
+from tests import flat_scene
 
 
 def striped(size=96):
     """A striped wall in focus on the left, blurred stripes on the right."""
     p = 64.0
-    shot, lens = stage.camera(size, size, p), ThinLens(0.25, 1.0)
-    left = [stage.rectangle(x / 40, (x + 1) / 40, -2, 2, 1.0) for x in range(-40, 0, 2)]
-    right = [stage.rectangle(x / 10, (x + 1) / 10, -9, 9, 4.0) for x in range(0, 40, 2)]
-    return stage.scene_of([*left, *right], shot, lens)
+    shot, lens = flat_scene.camera(size, size, p), ThinLens(0.25, 1.0)
+    left = [flat_scene.rectangle(x / 40, (x + 1) / 40, -2, 2, 1.0) for x in range(-40, 0, 2)]
+    right = [flat_scene.rectangle(x / 10, (x + 1) / 10, -9, 9, 4.0) for x in range(0, 40, 2)]
+    return flat_scene.scene_of([*left, *right], shot, lens)
 
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.01])
@@ -41,9 +41,9 @@ def test_the_cap_holds_and_tells():
 
 def test_a_bright_pixel_is_judged_by_its_brightness():
     # An edge between 4 and 0: where the picture is 2, twice the error is allowed.
-    shot, lens = stage.camera(32, 8, 32.0), ThinLens(0.5, 1.0)
-    card = stage.rectangle(-99, 0, -99, 99, 2.0, (4.0, 4.0, 0.0))
-    result = refdof.reference(stage.scene_of([card], shot, lens), tolerance=0.02, max_samples=1 << 16)
+    shot, lens = flat_scene.camera(32, 8, 32.0), ThinLens(0.5, 1.0)
+    card = flat_scene.rectangle(-99, 0, -99, 99, 2.0, (4.0, 4.0, 0.0))
+    result = refdof.reference(flat_scene.scene_of([card], shot, lens), tolerance=0.02, max_samples=1 << 16)
     allowed = 0.02 * np.maximum(1.0, result.image.max(axis=-1, keepdims=True))
     assert (result.standard_error <= allowed * (1 + 1e-6)).all()  # float32
     assert result.unmet == 0.0

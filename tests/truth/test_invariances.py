@@ -8,7 +8,7 @@ import pytest
 
 import refdof
 from refdof import Camera, Light, Material, Part, Scene, ThinLens, View
-from tests import stage
+from tests import flat_scene
 from tests.cards import random_cards
 
 FLOAT32 = 2.0**-23  # one step of float32 at 1
@@ -66,8 +66,8 @@ def assert_alike(one, other, share=1.0):
 @pytest.mark.parametrize("words", [{}, {"pixel_filter": "box"}, {"samples": 16}])
 def test_one_colour_everywhere_stays(color, words):
     scene = random_cards(1).scene
-    parts = [Part(scene.vertices, scene.faces, stage.paint(color))]
-    result = render(stage.scene_of(parts, scene.camera, scene.lens, color), **words)
+    parts = [Part(scene.vertices, scene.faces, flat_scene.paint(color))]
+    result = render(flat_scene.scene_of(parts, scene.camera, scene.lens, color), **words)
     # Sums of equal float64 numbers round by N 1e-16 at most, far below half a step of float32; a colour in the middle
     # between two float32 numbers may go either way: one step.
     np.testing.assert_allclose(result.image, np.broadcast_to(color, result.image.shape), rtol=FLOAT32)
@@ -77,11 +77,11 @@ def test_one_colour_everywhere_stays(color, words):
 def test_what_is_in_focus_does_not_know_the_lens():
     random = np.random.default_rng(2)
     # 250 triangles of a wall at distance 2: its colour changes from one to the next.
-    wall = stage.strips(np.linspace(-3.0, 3.0, 126), np.full(126, 2.0), -3.0, 3.0, random.random(126))
-    shot = stage.camera(16, 12, 14.0)
-    pinhole = View(stage.scene_of([wall], shot), shot, ThinLens(0.0, 2.0)).pinhole().color
+    wall = flat_scene.strips(np.linspace(-3.0, 3.0, 126), np.full(126, 2.0), -3.0, 3.0, random.random(126))
+    shot = flat_scene.camera(16, 12, 14.0)
+    pinhole = View(flat_scene.scene_of([wall], shot), shot, ThinLens(0.0, 2.0)).pinhole().color
     for radius in (1e-6, 0.1, 1.0, 3.0):
-        image = render(stage.scene_of([wall], shot), lens=ThinLens(radius, 2.0)).image
+        image = render(flat_scene.scene_of([wall], shot), lens=ThinLens(radius, 2.0)).image
         # Rays meet at the focal point up to 1e-16 of their length; a strip's slope turns this into 1e-14 of a colour.
         np.testing.assert_allclose(image, pinhole, rtol=2 * FLOAT32)
 
@@ -102,9 +102,9 @@ def test_no_radius_is_a_pinhole():
 
 
 def test_a_pinhole_with_a_box_filter_still_averages_the_pixel():
-    shot = stage.camera(9, 3, 9.0)
-    half = stage.rectangle(-99, 0.3 / 9, -99, 99, 1.0)  # its edge is at 0.3 px: 0.8 of the middle pixel
-    result = render(stage.scene_of([half], shot), lens=ThinLens(0.0, 1.0), pixel_filter="box", samples=4096)
+    shot = flat_scene.camera(9, 3, 9.0)
+    half = flat_scene.rectangle(-99, 0.3 / 9, -99, 99, 1.0)  # its edge is at 0.3 px: 0.8 of the middle pixel
+    result = render(flat_scene.scene_of([half], shot), lens=ThinLens(0.0, 1.0), pixel_filter="box", samples=4096)
     # An upright edge across a net of 256 points: each net is off by at most 1 / 16 of its rows' strata.
     truth = np.array([1, 1, 1, 1, 0.8, 0, 0, 0, 0])
     np.testing.assert_allclose(result.image[..., 0], np.broadcast_to(truth, (3, 9)), atol=1 / 256)
@@ -207,11 +207,11 @@ def test_picture_size_does_not_enter_the_view():
 
 
 def test_what_is_hidden_changes_nothing():
-    shot, lens = stage.camera(12, 9, 12.0), ThinLens(0.3, 1.5)
-    wall = stage.rectangle(-99, 99, -99, 99, 4.0, (0.2, 0.4, 0.6))
-    card = stage.rectangle(-0.2, 0.4, -0.3, 0.1, 1.0, (0.9, 0.1, 0.3))
-    hidden = stage.rectangle(-2, 1, -1, 3, 8.0, (50.0, 0.0, 0.0))
-    seen, behind = (stage.scene_of(parts, shot, lens) for parts in ([wall, card], [wall, card, hidden]))
+    shot, lens = flat_scene.camera(12, 9, 12.0), ThinLens(0.3, 1.5)
+    wall = flat_scene.rectangle(-99, 99, -99, 99, 4.0, (0.2, 0.4, 0.6))
+    card = flat_scene.rectangle(-0.2, 0.4, -0.3, 0.1, 1.0, (0.9, 0.1, 0.3))
+    hidden = flat_scene.rectangle(-2, 1, -1, 3, 8.0, (50.0, 0.0, 0.0))
+    seen, behind = (flat_scene.scene_of(parts, shot, lens) for parts in ([wall, card], [wall, card, hidden]))
     assert_same_bits(render(seen), render(behind))
 
 
@@ -219,10 +219,12 @@ def test_what_is_hidden_changes_nothing():
 def test_the_light_of_a_lamp_does_not_depend_on_focus(radius):
     # A lamp of 3 x 2 pixels at depth 2 sends 6 times its radiance, wherever it goes in a picture large enough.
     p = 16.0
-    lamp = stage.rectangle(-1.5 * 2 / p, 1.5 * 2 / p, -1.0 * 2 / p, 1.0 * 2 / p, 2.0, (10.0, 20.0, 0.0))
-    shot = stage.camera(31, 31, p)
+    lamp = flat_scene.rectangle(-1.5 * 2 / p, 1.5 * 2 / p, -1.0 * 2 / p, 1.0 * 2 / p, 2.0, (10.0, 20.0, 0.0))
+    shot = flat_scene.camera(31, 31, p)
     for focus in (0.25, 1.0, 1.9, 2.0, 7.0, np.inf):
-        result = render(stage.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512)
+        result = render(
+            flat_scene.scene_of([lamp], shot), lens=ThinLens(radius, focus), pixel_filter="box", samples=512
+        )
         error = np.sqrt((result.standard_error.astype(float) ** 2).sum(axis=(0, 1)))
         # Independent pixels: 4 standard errors of their sum, and float32.
         np.testing.assert_array_less(np.abs(result.image.sum(axis=(0, 1)) - [60.0, 120.0, 0.0]), 4 * error + 1e-3)
@@ -232,10 +234,10 @@ def test_the_light_of_a_lamp_does_not_depend_on_focus(radius):
 @pytest.mark.parametrize("swapped", [False, True])
 def test_small_lens_and_pinhole_agree_on_which_of_two_close_surfaces_is_seen(gap, swapped):
     # A label on a wall, nearer by a relative gap. Embree picks the triangle in float32: below 1e-7 it may be either.
-    label = stage.rectangle(-9.1, 9.0, -9.0, 9.0, 2.0, (1.0, 0.0, 0.0))
-    wall = stage.rectangle(-9.3, 9.2, -9.1, 9.0, 2.0 * (1.0 + gap), (0.0, 1.0, 0.0))
-    shot, lens = stage.camera(8, 6, 8.0), ThinLens(1e-3, 2.0)
-    scene = stage.scene_of([wall, label] if swapped else [label, wall], shot, lens)
+    label = flat_scene.rectangle(-9.1, 9.0, -9.0, 9.0, 2.0, (1.0, 0.0, 0.0))
+    wall = flat_scene.rectangle(-9.3, 9.2, -9.1, 9.0, 2.0 * (1.0 + gap), (0.0, 1.0, 0.0))
+    shot, lens = flat_scene.camera(8, 6, 8.0), ThinLens(1e-3, 2.0)
+    scene = flat_scene.scene_of([wall, label] if swapped else [label, wall], shot, lens)
     pinhole = View(scene, shot, lens).pinhole().color
     assert (pinhole == np.float32([1.0, 0.0, 0.0])).all()
     # Nothing is blurred: no edge is in the picture.

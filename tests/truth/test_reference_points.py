@@ -9,14 +9,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Part, ThinLens, reference, render
-from tests import stage
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 WIDTH, HEIGHT, P, CLOSE = 9, 5, 20.0, 2.0**-10
 
 
 def shot():
-    return stage.camera(WIDTH, HEIGHT, P)
+    return flat_scene.camera(WIDTH, HEIGHT, P)
 
 
 def ramp_on_the_lens():
@@ -24,16 +24,16 @@ def ramp_on_the_lens():
     corners = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]])
     color = np.concatenate([0.5 + corners / 8.0, np.full((4, 1), 0.5)], axis=1)
     part = Part(
-        np.concatenate([corners, np.full((4, 1), -CLOSE)], axis=1), [[0, 1, 2], [0, 2, 3]], stage.paint((1, 1, 1)),
+        np.concatenate([corners, np.full((4, 1), -CLOSE)], axis=1), [[0, 1, 2], [0, 2, 3]], flat_scene.paint((1, 1, 1)),
         color=color,
     )  # fmt: skip
-    return stage.scene_of([part], shot(), ThinLens(1.0, 2.0))
+    return flat_scene.scene_of([part], shot(), ThinLens(1.0, 2.0))
 
 
 def errors_of(**words):
     """Errors (N, 2) of all pixels, and standard errors: the mean of a linear function is its value at the centre."""
     truth = reference(ramp_on_the_lens(), **words)
-    right, up = stage.tangents(WIDTH, HEIGHT, P)
+    right, up = flat_scene.tangents(WIDTH, HEIGHT, P)
     exact = np.stack([0.5 + CLOSE * right / 8.0, 0.5 + CLOSE * up / 8.0], axis=-1)
     return (truth.image[..., :2] - exact).reshape(-1, 2), truth.standard_error[..., :2].reshape(-1, 2)
 
@@ -78,12 +78,12 @@ def test_the_spread_of_replicates_is_the_error(points):
 def quarters_on_the_lens():
     """Red to the upper right, green to the upper left, blue to the lower left, black to the lower right."""
     cards = [
-        stage.rectangle(0, 3, 0, 3, CLOSE, (1, 0, 0)),
-        stage.rectangle(-3, 0, 0, 3, CLOSE, (0, 1, 0)),
-        stage.rectangle(-3, 0, -3, 0, CLOSE, (0, 0, 1)),
-        stage.rectangle(0, 3, -3, 0, CLOSE, (0, 0, 0)),
+        flat_scene.rectangle(0, 3, 0, 3, CLOSE, (1, 0, 0)),
+        flat_scene.rectangle(-3, 0, 0, 3, CLOSE, (0, 1, 0)),
+        flat_scene.rectangle(-3, 0, -3, 0, CLOSE, (0, 0, 1)),
+        flat_scene.rectangle(0, 3, -3, 0, CLOSE, (0, 0, 0)),
     ]
-    return stage.scene_of(cards, stage.camera(WIDTH, HEIGHT, 1e6), ThinLens(1.0, 2.0))
+    return flat_scene.scene_of(cards, flat_scene.camera(WIDTH, HEIGHT, 1e6), ThinLens(1.0, 2.0))
 
 
 def test_every_quarter_of_the_lens_is_hit_as_often():
@@ -108,12 +108,12 @@ def quarters_of_pixels():
         for j in range(2 * HEIGHT):
             x, y = (i - WIDTH) * size, (j - HEIGHT) * size
             # Column i - WIDTH starts at a pixel's border where i is even, as the picture's does; rows from below too.
-            cards.append(stage.rectangle(x, x + size, y, y + size, 1.0, colors[i % 2, j % 2]))
+            cards.append(flat_scene.rectangle(x, x + size, y, y + size, 1.0, colors[i % 2, j % 2]))
     return cards
 
 
 def test_every_quarter_of_a_pixel_is_hit_as_often():
-    scene = stage.scene_of(quarters_of_pixels(), shot(), ThinLens(0.0, 1.0))
+    scene = flat_scene.scene_of(quarters_of_pixels(), shot(), ThinLens(0.0, 1.0))
     shares = reference(scene, samples=16, pixel_filter="box").image.mean(axis=(0, 1))
     assert_allclose(shares, 0.25, atol=4 * 0.016)  # as on the lens
 
@@ -125,12 +125,12 @@ def test_the_place_in_the_pixel_does_not_follow_the_lens_point(lens_side, pixel_
     # with 16 each; lens and pixel axes that are the same would see 0 or 1/2 in every replicate, 1/16 in the mean of 16.
     size = 1.0 / P
     hidden = (0, 3, -3, 3) if lens_side == "x" else (-3, 3, 0, 3)
-    cards = [stage.rectangle(*hidden, CLOSE, (0, 0, 0))]
+    cards = [flat_scene.rectangle(*hidden, CLOSE, (0, 0, 0))]
     for k in range(-WIDTH, WIDTH):
         low, high = k * size + 0.5 * size * (WIDTH % 2), (k + 0.5) * size + 0.5 * size * (WIDTH % 2)
         stripe = (low, high, -9, 9) if pixel_side == "x" else (-9, 9, low, high)
-        cards.append(stage.rectangle(*stripe, 1.0, (1, 1, 1)))
-    scene = stage.scene_of(cards, shot(), ThinLens(1.0, 1.0))
+        cards.append(flat_scene.rectangle(*stripe, 1.0, (1, 1, 1)))
+    scene = flat_scene.scene_of(cards, shot(), ThinLens(1.0, 1.0))
     single = reference(scene, samples=16, pixel_filter="box").image[..., 0]
     assert_allclose(single.mean(), 0.25, atol=4 * 0.433 / np.sqrt(720))
     many = reference(scene, samples=256, pixel_filter="box", camera=shot().with_size((3, 5))).image[..., 0]
@@ -144,7 +144,9 @@ def test_a_box_averages_what_a_slanted_edge_covers():
     x = np.array([-30.0, 30.0])
     y = offset + slope * x
     corners = np.array([[x[0], -30, -P], [x[1], -30, -P], [x[1], y[1], -P], [x[0], y[0], -P]])
-    scene = stage.scene_of([Part(corners, [[0, 1, 2], [0, 2, 3]], stage.paint((1, 1, 1)))], shot(), ThinLens(0.0, 1.0))
+    scene = flat_scene.scene_of(
+        [Part(corners, [[0, 1, 2], [0, 2, 3]], flat_scene.paint((1, 1, 1)))], shot(), ThinLens(0.0, 1.0)
+    )
     fine = (np.arange(64) + 0.5) / 64.0
     left = np.arange(WIDTH) - WIDTH / 2.0
     bottom = HEIGHT / 2.0 - 1.0 - np.arange(HEIGHT)
@@ -165,8 +167,8 @@ def colored_pixels(width, height):
     cards = []
     for j, i in np.ndindex(height, width):
         left, top = (i - width / 2) * size, (height / 2 - j) * size
-        cards.append(stage.rectangle(left, left + size, top - size, top, 1.0, tuple(picture[j, i].tolist())))
-    return picture, stage.scene_of(cards, stage.camera(width, height, P), ThinLens(1e-3, 1.0))
+        cards.append(flat_scene.rectangle(left, left + size, top - size, top, 1.0, tuple(picture[j, i].tolist())))
+    return picture, flat_scene.scene_of(cards, flat_scene.camera(width, height, P), ThinLens(1e-3, 1.0))
 
 
 @pytest.mark.parametrize("size", [(7, 7), (17, 1), (1, 3), (3, 2)])
@@ -198,10 +200,10 @@ def test_a_tolerance_doubles_the_net_until_it_is_kept():
     corners = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]])
     color = np.repeat(0.5 + corners[:, :1] / 8.0, 3, axis=1)
     part = Part(
-        np.concatenate([corners, np.full((4, 1), -CLOSE)], axis=1), [[0, 1, 2], [0, 2, 3]], stage.paint((1, 1, 1)),
+        np.concatenate([corners, np.full((4, 1), -CLOSE)], axis=1), [[0, 1, 2], [0, 2, 3]], flat_scene.paint((1, 1, 1)),
         color=color,
     )  # fmt: skip
-    scene = stage.scene_of([part], stage.camera(3, 2, 1e6), ThinLens(1.0, 2.0))
+    scene = flat_scene.scene_of([part], flat_scene.camera(3, 2, 1e6), ThinLens(1.0, 2.0))
     few = reference(scene, samples=16 * 8)
     truth = reference(scene, tolerance=float(few.standard_error.min()) / 8.0)
     assert (truth.samples > 16 * 8).all()
@@ -213,8 +215,11 @@ def test_a_tolerance_doubles_the_net_until_it_is_kept():
 
 def test_the_background_is_seen_past_the_edge():
     # A card hides the left half of the lens from all pixels; of four points of a net, two lie there.
-    scene = stage.scene_of(
-        [stage.rectangle(-3, 0, -3, 3, CLOSE, (1, 0, 0))], stage.camera(4, 3, 1e6), ThinLens(1.0, 2.0), (0.0, 1.0, 0.5)
+    scene = flat_scene.scene_of(
+        [flat_scene.rectangle(-3, 0, -3, 3, CLOSE, (1, 0, 0))],
+        flat_scene.camera(4, 3, 1e6),
+        ThinLens(1.0, 2.0),
+        (0.0, 1.0, 0.5),
     )
     truth = reference(scene, samples=64)
     assert_array_equal(truth.image, np.broadcast_to(np.float32([0.5, 0.5, 0.25]), (3, 4, 3)))
@@ -230,14 +235,14 @@ def test_accumulation_takes_one_net_through_pixel_centres():
     # Four points of one net lie in the four quarters of the lens, two and two of two nets need not.
     assert_array_equal(render("accumulation", quarters_on_the_lens(), samples=4).image, 0.25)
     # A card that ends a quarter of a pixel beyond the centre of column 4 covers that pixel, and nothing of the next.
-    card = stage.rectangle(-9, 0.25 / P, -9, 9, 1.0)
-    scene = stage.scene_of([card], shot(), ThinLens(1e-3, 1.0))
+    card = flat_scene.rectangle(-9, 0.25 / P, -9, 9, 1.0)
+    scene = flat_scene.scene_of([card], shot(), ThinLens(1e-3, 1.0))
     red = render("accumulation", scene, samples=4).image[..., 0]
     assert_array_equal(red, np.broadcast_to([1.0] * 5 + [0.0] * 4, red.shape))
 
 
 def test_accumulation_shares_one_pattern_if_asked_and_never_the_references_points():
-    right, _ = stage.tangents(WIDTH, HEIGHT, P)
+    right, _ = flat_scene.tangents(WIDTH, HEIGHT, P)
 
     def errors(**words):
         return render("accumulation", ramp_on_the_lens(), samples=4, **words).image[..., 0] - 0.5 - CLOSE * right / 8.0

@@ -5,7 +5,7 @@ import pytest
 
 import refdof
 from refdof import Part, ThinLens
-from tests import stage
+from tests import flat_scene
 from tests.closed_forms import circle_of_confusion, half_disc, jinc, mean_reciprocal, two_discs
 
 # Seeds are fixed, so that a test passes or fails for good. One value in 2000 of Student's t with 15 degrees of
@@ -36,9 +36,9 @@ def test_a_small_lamp_becomes_an_even_disc(depth, focus):
     p, side, size = 20.0, 1.0, 25
     lens = ThinLens(7.0 / (p * abs(1.0 / focus - 1.0 / depth)), focus)  # a disc of 7 pixels
     half = 0.5 * side * depth / p
-    lamp = stage.rectangle(-half, half, -half, half, depth, (100.0, 50.0, 0.0))
-    shot = stage.camera(size, size, p)
-    result = refdof.reference(stage.scene_of([lamp], shot), shot, lens, samples=1024, pixel_filter="box")
+    lamp = flat_scene.rectangle(-half, half, -half, half, depth, (100.0, 50.0, 0.0))
+    shot = flat_scene.camera(size, size, p)
+    result = refdof.reference(flat_scene.scene_of([lamp], shot), shot, lens, samples=1024, pixel_filter="box")
     red = result.image[..., 0].astype(float)
     error = np.sqrt((result.standard_error[..., 0].astype(float) ** 2).sum())
     # A lamp of one square pixel and radiance 100 sends flux 100. Every pixel has a pattern of its own.
@@ -68,11 +68,11 @@ EDGES = [(1.0, 2.0, 0.2), (2.0, 1.0, 0.2), (1.5, np.inf, 0.1), (4.0, 0.5, 0.05),
 @pytest.mark.parametrize("background", [0.25, 3.0])
 def test_half_plane(depth, focus, radius, background):
     p, edge = 32.0, 0.3
-    shot, lens = stage.camera(32, 4, p), ThinLens(radius, focus)
-    near = stage.rectangle(-50.0, edge * depth / p, -50.0, 50.0, depth)  # its edge is at 0.3 px in every view
-    scene = stage.scene_of([near], shot, background=(background,) * 3)
+    shot, lens = flat_scene.camera(32, 4, p), ThinLens(radius, focus)
+    near = flat_scene.rectangle(-50.0, edge * depth / p, -50.0, 50.0, depth)  # its edge is at 0.3 px in every view
+    scene = flat_scene.scene_of([near], shot, background=(background,) * 3)
     coc = abs(p * radius * (1 / focus - 1 / depth))
-    share = half_disc((edge - stage.tangents(32, 4, p)[0] * p) / coc)
+    share = half_disc((edge - flat_scene.tangents(32, 4, p)[0] * p) / coc)
     assert_close(refdof.reference(scene, shot, lens, samples=1024), share + background * (1.0 - share))
 
 
@@ -81,15 +81,15 @@ def test_half_plane(depth, focus, radius, background):
 def test_an_edge_hides_what_the_same_part_of_the_lens_would_see(side, beyond):
     # One pixel on the axis, P = 1. Through lens point v it sees position -coc v. Of what lies beyond the edge,
     # the lens part v < -0.4 sees white and the rest grey; the edge itself is black for v > 0.2.
-    lens, shot = ThinLens(0.25, 4.0 if side < 0 else 0.5), stage.camera(1, 1, 1.0)
+    lens, shot = ThinLens(0.25, 4.0 if side < 0 else 0.5), flat_scene.camera(1, 1, 1.0)
     depths = (1.0, 2.0)
     c1, c2 = (0.25 * (1 / lens.focus_distance - 1 / d) for d in depths)
     e1, e2 = -c1 * 0.2 * depths[0], -c2 * -0.4 * depths[1]
     far = side * 50.0
-    black = stage.rectangle(*sorted([e1, -far]), -50, 50, depths[0], (beyond,) * 3)
-    white = stage.rectangle(*sorted([e2, far]), -50, 50, depths[1], (1.0,) * 3)
-    grey = stage.rectangle(*sorted([e2, -far]), -50, 50, depths[1], (0.5,) * 3)
-    result = refdof.reference(stage.scene_of([black, white, grey], shot), shot, lens, samples=1 << 18)
+    black = flat_scene.rectangle(*sorted([e1, -far]), -50, 50, depths[0], (beyond,) * 3)
+    white = flat_scene.rectangle(*sorted([e2, far]), -50, 50, depths[1], (1.0,) * 3)
+    grey = flat_scene.rectangle(*sorted([e2, -far]), -50, 50, depths[1], (0.5,) * 3)
+    result = refdof.reference(flat_scene.scene_of([black, white, grey], shot), shot, lens, samples=1 << 18)
     # By hand: G(-0.4) = 0.25232, G(0.2) = 0.62647; 0.25232 + 0.5 (0.62647 - 0.25232) = 0.43939.
     truth = 0.43939 + beyond * (1.0 - 0.62647)
     assert np.abs(result.image - truth).max() <= T * result.standard_error.max() + 1e-5  # five printed digits
@@ -101,15 +101,15 @@ def test_an_edge_hides_what_the_same_part_of_the_lens_would_see(side, beyond):
 @pytest.mark.parametrize(("depth", "focus"), [(1.0, 2.0), (3.0, 1.0)])
 def test_slit(depth, focus):
     p, radius, left, right = 24.0, 0.4, -1.2, 2.5
-    shot, lens = stage.camera(24, 3, p), ThinLens(radius, focus)
+    shot, lens = flat_scene.camera(24, 3, p), ThinLens(radius, focus)
     walls = [
-        stage.rectangle(-50, left * depth / p, -50, 50, depth, (0.0,) * 3),
-        stage.rectangle(right * depth / p, 50, -50, 50, depth, (0.0,) * 3),
+        flat_scene.rectangle(-50, left * depth / p, -50, 50, depth, (0.0,) * 3),
+        flat_scene.rectangle(right * depth / p, 50, -50, 50, depth, (0.0,) * 3),
     ]
     coc = abs(circle_of_confusion(p, radius, focus, depth))
-    x = stage.tangents(24, 3, p)[0] * p
+    x = flat_scene.tangents(24, 3, p)[0] * p
     share = half_disc((right - x) / coc) - half_disc((left - x) / coc)
-    scene = stage.scene_of(walls, shot, background=(1.0,) * 3)
+    scene = flat_scene.scene_of(walls, shot, background=(1.0,) * 3)
     assert_close(refdof.reference(scene, shot, lens, samples=1024), share)
 
 
@@ -117,7 +117,7 @@ def test_slit(depth, focus):
 @pytest.mark.parametrize("hole", [1.5, 5.0])
 def test_round_hole(depth, focus, hole):
     p, radius, sides = 20.0, 0.5, 720
-    shot, lens = stage.camera(20, 20, p), ThinLens(radius, focus)
+    shot, lens = flat_scene.camera(20, 20, p), ThinLens(radius, focus)
     angle = 2.0 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     equal = np.sqrt(np.pi / (sides / 2.0 * np.sin(2.0 * np.pi / sides)))  # a polygon of the circle's area
@@ -126,11 +126,11 @@ def test_round_hole(depth, focus, hole):
     following = (k + 1) % sides
     quads = [[k, k + sides, following + sides], [k, following + sides, following]]
     faces = np.concatenate([np.stack(q, axis=1) for q in quads])
-    wall = Part(np.concatenate([inner, outer]) - [0, 0, depth], faces, stage.paint((0.0,) * 3))
-    scene = stage.scene_of([wall], shot, background=(1.0,) * 3)
+    wall = Part(np.concatenate([inner, outer]) - [0, 0, depth], faces, flat_scene.paint((0.0,) * 3))
+    scene = flat_scene.scene_of([wall], shot, background=(1.0,) * 3)
 
     coc = abs(circle_of_confusion(p, radius, focus, depth))
-    x, y = stage.tangents(20, 20, p)
+    x, y = flat_scene.tangents(20, 20, p)
     share = np.vectorize(two_discs)(np.hypot(x, y) * p, coc, hole) / (np.pi * coc * coc)
     # The polygon leaves its circle by less than (pi / n)^2 / 2 = 1e-5 of the radius, and only for the sides that the
     # lens disc cuts does it not even out: 2 of 720 sides. Circles that touch along their whole length are left out.
@@ -151,9 +151,9 @@ def test_a_slanted_plane_that_shows_its_depth(radius, slope, focus, mirrored):
     k = radius * slope
     truth = focus * (1.0 + (1.0 - focus) / focus * mean_reciprocal(k / focus))
     x, depth = slanted(slope, radius, focus)
-    plane = stage.strips(mirrored * (x * depth)[[0, -1]], depth[[0, -1]], -50.0, 50.0, depth[[0, -1]])
-    shot = stage.camera(1, 1, 1.0)
-    scene = stage.scene_of([plane], shot, background=(1e6,) * 3)  # a ray that misses would be seen
+    plane = flat_scene.strips(mirrored * (x * depth)[[0, -1]], depth[[0, -1]], -50.0, 50.0, depth[[0, -1]])
+    shot = flat_scene.camera(1, 1, 1.0)
+    scene = flat_scene.scene_of([plane], shot, background=(1e6,) * 3)  # a ray that misses would be seen
     result = refdof.reference(scene, shot, ThinLens(radius, focus), samples=4096)
     # The integrand is smooth: the error bar is small enough to tell the mean from the pinhole's 1.
     assert np.abs(result.image - truth).max() <= T * result.standard_error.max() + 1e-6  # float32
@@ -166,9 +166,11 @@ def test_a_slanted_plane_with_a_ramp_in_the_picture(k, mean):
     radius, focus = 0.5, 4.0
     slope = k / radius
     x, depth = slanted(slope, radius, focus)
-    plane = stage.strips(x * depth, depth, -50.0, 50.0, x + 10.0)
-    shot = stage.camera(1, 1, 1.0)
-    result = refdof.reference(stage.scene_of([plane], shot, background=(1e6,) * 3), shot, ThinLens(radius, focus), 4096)
+    plane = flat_scene.strips(x * depth, depth, -50.0, 50.0, x + 10.0)
+    shot = flat_scene.camera(1, 1, 1.0)
+    result = refdof.reference(
+        flat_scene.scene_of([plane], shot, background=(1e6,) * 3), shot, ThinLens(radius, focus), 4096
+    )
     truth = radius * (1.0 - 1.0 / focus) * mean
     # x(depth) = (1 / depth - 1) / slope is interpolated linearly: off by step^2 / 8 of its second derivative.
     bend = (np.diff(depth) ** 2 / 8 * 2 / slope / depth[1:] ** 3)[(x[1:] > -0.5) & (x[1:] < 4.0)].max()
@@ -180,7 +182,7 @@ def test_a_slanted_plane_with_a_ramp_in_the_picture(k, mean):
 def wave(frequency, p, depth):
     """A cosine of the picture's x, as vertex colours on 1024 strips per period over +-24 px."""
     x = np.arange(-24.0, 24.0, 2.0 * np.pi / frequency / 1024)
-    return stage.strips(x * depth / p, np.full(len(x), depth), -50.0, 50.0, 0.5 + 0.5 * np.cos(frequency * x))
+    return flat_scene.strips(x * depth / p, np.full(len(x), depth), -50.0, 50.0, 0.5 + 0.5 * np.cos(frequency * x))
 
 
 @pytest.mark.parametrize("turns", [0.5, 2.0, 3.0, 3.8317, 5.1356, 8.0])  # frequency * coc; J1 is 0 at 3.8317
@@ -188,9 +190,9 @@ def test_contrast_of_a_wave(turns):
     p, depth, focus, radius = 16.0, 2.0, 1.0, 0.5
     coc = circle_of_confusion(p, radius, focus, depth)
     frequency = turns / coc
-    shot, lens = stage.camera(16, 1, p), ThinLens(radius, focus)
-    truth = 0.5 + 0.5 * jinc(turns) * np.cos(frequency * stage.tangents(16, 1, p)[0] * p)
-    result = refdof.reference(stage.scene_of([wave(frequency, p, depth)], shot), shot, lens, samples=4096)
+    shot, lens = flat_scene.camera(16, 1, p), ThinLens(radius, focus)
+    truth = 0.5 + 0.5 * jinc(turns) * np.cos(frequency * flat_scene.tangents(16, 1, p)[0] * p)
+    result = refdof.reference(flat_scene.scene_of([wave(frequency, p, depth)], shot), shot, lens, samples=4096)
     # Linear between 1024 points of a period: off by (2 pi / 1024)^2 / 8 of the amplitude. Smooth: no share unseen.
     error = np.abs(result.image - truth[..., None])
     assert (error <= T * result.standard_error + (2 * np.pi / 1024) ** 2 / 16 + 1e-6).all()
@@ -214,9 +216,9 @@ def test_contrast_of_a_painted_wave(turns):
         material,
         np.stack([u, 0 * u], axis=1),
     )
-    shot = stage.camera(16, 1, p)
-    result = refdof.reference(stage.scene_of([wall], shot), shot, ThinLens(radius, focus), samples=4096)
-    truth = 0.5 + 0.5 * jinc(turns) * np.sin(2 * np.pi / period * stage.tangents(16, 1, p)[0] * p)
+    shot = flat_scene.camera(16, 1, p)
+    result = refdof.reference(flat_scene.scene_of([wall], shot), shot, ThinLens(radius, focus), samples=4096)
+    truth = 0.5 + 0.5 * jinc(turns) * np.sin(2 * np.pi / period * flat_scene.tangents(16, 1, p)[0] * p)
     # Bilinear between 512 texels; texture coordinates in float32 are off by 1e-7 of a few periods.
     error = np.abs(result.image - truth[..., None])
     assert (error <= T * result.standard_error + (2 * np.pi / texels) ** 2 / 16 + 1e-5).all()

@@ -5,7 +5,7 @@ import pytest
 
 import refdof
 from refdof import ThinLens
-from tests import stage
+from tests import flat_scene
 from tests.cards import random_cards
 
 FIRST, LAST = 16 * 8, 16 << 14  # samples per pixel: the first look, and where doubling ends
@@ -35,11 +35,11 @@ def test_every_pixel_keeps_the_tolerance(tolerance):
 
 def test_sharp_pixels_stop_early():
     p, size = 32.0, 64
-    shot, lens = stage.camera(size, 8, p), ThinLens(0.1, 1.0)
+    shot, lens = flat_scene.camera(size, 8, p), ThinLens(0.1, 1.0)
     # Left: a striped wall in focus. Right: a card at depth 4 with an edge at 16 px, blurred by 2.4 px.
-    wall = stage.strips(np.linspace(-1, 0, 33), np.full(33, 1.0), -1, 1, np.arange(33) / 32)
-    card = stage.rectangle(16 * 4 / p, 99, -99, 99, 4.0)
-    result = refdof.reference(stage.scene_of([wall, card], shot), shot, lens, tolerance=1e-3)
+    wall = flat_scene.strips(np.linspace(-1, 0, 33), np.full(33, 1.0), -1, 1, np.arange(33) / 32)
+    card = flat_scene.rectangle(16 * 4 / p, 99, -99, 99, 4.0)
+    result = refdof.reference(flat_scene.scene_of([wall, card], shot), shot, lens, tolerance=1e-3)
     x = np.arange(size) + 0.5 - size / 2
     coc = p * 0.1 * (1 - 1 / 4)
     # The error bar of a blurred pixel reaches its next neighbours, and theirs keep two more pixels open.
@@ -52,10 +52,10 @@ def test_sharp_pixels_stop_early():
 @pytest.mark.parametrize("seed", [0, 3, 6, 15])
 def test_the_disc_of_a_small_bright_lamp_is_complete(seed):
     p, size, coc, side, flux = 16.0, 31, 8.0, 0.3, 250.0
-    shot, lens = stage.camera(size, size, p), ThinLens(1.0, 1.0)  # 16 (1 / 1 - 1 / 2) = 8 px at depth 2
+    shot, lens = flat_scene.camera(size, size, p), ThinLens(1.0, 1.0)  # 16 (1 / 1 - 1 / 2) = 8 px at depth 2
     half = side / 2 * 2 / p
-    lamp = stage.rectangle(-half, half, -half, half, 2.0, (flux / side**2,) * 3)
-    result = refdof.reference(stage.scene_of([lamp], shot), shot, lens, tolerance=0.1, seed=seed, max_samples=LAST)
+    lamp = flat_scene.rectangle(-half, half, -half, half, 2.0, (flux / side**2,) * 3)
+    result = refdof.reference(flat_scene.scene_of([lamp], shot), shot, lens, tolerance=0.1, seed=seed, max_samples=LAST)
     x, y = np.meshgrid(np.arange(size) - size // 2, np.arange(size) - size // 2)
     inside = np.hypot(x, y) < coc - side
     # All of these pixels have the value 250 / (pi 8^2) = 1.24: none may be off by more than 6 of the errors

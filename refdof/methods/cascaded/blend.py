@@ -142,9 +142,9 @@ def _matted(coordinate, color, ramp, layer, y, x, one):
     """L_k at a pixel, premultiplied: matted buffers, the nearer over the farther, Eq. (2)."""
     zero = one - one
     red, green, blue, alpha = zero, zero, zero, zero
-    own = type(one)
+    scalar = type(one)
     for m in range(len(coordinate)):
-        weight = matte(coordinate[m, y, x] - own(layer), one, ramp, m == 0)
+        weight = matte(coordinate[m, y, x] - scalar(layer), one, ramp, m == 0)
         if weight > zero:
             share = weight * (one - alpha)
             red += share * color[m, y, x, 0]

@@ -42,7 +42,7 @@ Departures from the paper
 - Steps between layers that hold nothing are joined: one blur with their variances added.
 - Blur is Gaussian whatever the shape of the aperture. `Aperture.gaussian()` gives the reference a lens to match.
 - Surfaces are exact layers: coplanar duplicates, which depth peeling drops, are kept.
-- Box and pyramid filters and k-means are only named in the paper: see `refdof.methods.cascaded.quick_blurs`,
+- Box and pyramid filters and k-means are only named in the paper: see `refdof.methods.cascaded.fast_blurs`,
   `cluster_layers`.
 
 What lies in the focal plane has weight in the layers next to it, too: with anything in front of it, a copy blurred by
@@ -61,14 +61,14 @@ import numpy as np
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods.cascaded.blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
+from refdof.methods.cascaded.fast_blurs import box_blur, pyramid_blur
 from refdof.methods.cascaded.gaussian import gaussian_blur
 from refdof.methods.cascaded.layers import Layering, cluster_layers, filter_layers, without_foremost
 from refdof.methods.cascaded.matting import RAMPS
-from refdof.methods.cascaded.quick_blurs import box_blur, pyramid_blur
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.raster.filters.nbuffer import n_buffer
-from refdof.trace import Trace
+from refdof.raster.filters.n_buffer import n_buffer
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur_buffers", "layering_of", "render"]
@@ -150,7 +150,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     layers = view.layers(None if isinstance(params.buffers, str) else params.buffers)
     color, depth, empty = layers.color, layers.depth, layers.triangle < 0
@@ -166,7 +166,12 @@ def render(view: View, params: Params, trace: Trace) -> Float:
 
 
 def blur_buffers(
-    color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params = Params(), trace: Trace | None = None
+    color: Float,
+    depth: Float,
+    camera: Camera,
+    lens: ThinLens,
+    params: Params = Params(),
+    trace: StageRecorder | None = None,
 ) -> Float:
     """Blur peeled buffers of your own.
 
@@ -192,7 +197,7 @@ def blur_buffers(
     """
     for name, value, kind in (("camera", camera, Camera), ("lens", lens, ThinLens), ("params", params, Params)):
         as_instance(name, value, kind)
-    trace = Trace() if trace is None else as_instance("trace", trace, Trace)
+    trace = StageRecorder() if trace is None else as_instance("trace", trace, StageRecorder)
     color = as_image("color", color, (None, camera.height, camera.width, 3))
     depth = as_float("depth", depth, color.shape[:3], dtype=np.float64, finite=False, nan=True)
     absent = np.isnan(depth)
@@ -224,8 +229,8 @@ def _depth_range(depth: Float) -> tuple[float, float]:
     return (near, np.inf if np.isinf(depth).any() else far)
 
 
-def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, trace: Trace) -> Float:
-    """`blur_buffers` behind the gate."""
+def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, trace: StageRecorder) -> Float:
+    """`blur_buffers` after validation."""
     used = 1 + int(np.flatnonzero(~np.isnan(depth).all(axis=(1, 2)))[-1])
     layering = layering_of(depth, camera, lens, params)
     boundary = "extrapolate" if params.boundary == "extrapolate" else "hard"

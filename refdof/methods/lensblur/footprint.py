@@ -1,7 +1,7 @@
 """Footprint: the part of the picture under all rays of a pixel, and the range of inverse depths in which they can hit.
 
 1. bound the rays' places between two depths                       `thin_lens_bounds`, `ray_bounds`
-2. look up the nearest and the farthest surface in those bounds    `refdof.raster.filters.nbuffer`
+2. look up the nearest and the farthest surface in those bounds    `refdof.raster.filters.n_buffer`
 3. cut the rays to that range, and begin again                     `narrow`
 
 Rays are those of `refdof.methods.lensblur.texel_walk`: affine in u, inverse depth in pixels of parallax. Every cut
@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from refdof._jit import inline
-from refdof.raster.filters.nbuffer import highest_in, lowest_in
+from refdof.raster.filters.n_buffer import highest_in, lowest_in
 
 __all__ = ["narrow", "ray_bounds", "thin_lens_bounds"]
 
@@ -33,18 +33,18 @@ def narrow(lowest, highest, block, size, rays, stride, center, near, far, extens
     wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y,
     u of the focal plane); else every stride-th ray is bounded.
     """
-    own = lowest.dtype.type
+    scalar = lowest.dtype.type
     for _ in range(iterations):
         if stride == 0:
             x0, y0, x1, y1 = thin_lens_bounds(center[0], center[1], center[2], near, far)
         else:
             x0, y0, x1, y1 = ray_bounds(rays, stride, near, far)
-        left, top = _texel(x0 - own(_MARGIN), size[0]), _texel(y0 - own(_MARGIN), size[1])
-        right, bottom = _texel(x1 + own(_MARGIN), size[0]), _texel(y1 + own(_MARGIN), size[1])
+        left, top = _texel(x0 - scalar(_MARGIN), size[0]), _texel(y0 - scalar(_MARGIN), size[1])
+        right, bottom = _texel(x1 + scalar(_MARGIN), size[0]), _texel(y1 + scalar(_MARGIN), size[1])
         low = lowest_in(lowest, block, left, top, right, bottom, False)
         high = highest_in(highest, block, left, top, right, bottom, False)
         if low > high:
-            return own(-1.0), own(0.0)
+            return scalar(-1.0), scalar(0.0)
         new_far, new_near = max(far, low - extension), min(near, high)
         if new_far == far and new_near == near:
             break
@@ -55,8 +55,8 @@ def narrow(lowest, highest, block, size, rays, stride, center, near, far, extens
 @inline
 def _texel(place, size):
     """The texel of a place along one axis, in the picture."""
-    own = type(place)
-    return math.floor(min(max(place, own(0.0)), own(size - 1)))
+    scalar = type(place)
+    return math.floor(min(max(place, scalar(0.0)), scalar(size - 1)))
 
 
 @inline
@@ -72,8 +72,8 @@ def thin_lens_bounds(x, y, focus, near, far):
 @inline
 def ray_bounds(rays, stride, near, far):
     """Bounding quad x0, y0, x1, y1 [px] of where every stride-th of the rays (4, N) crosses both depths."""
-    own = rays.dtype.type
-    x0, y0, x1, y1 = own(np.inf), own(np.inf), own(-np.inf), own(-np.inf)
+    scalar = rays.dtype.type
+    x0, y0, x1, y1 = scalar(np.inf), scalar(np.inf), scalar(-np.inf), scalar(-np.inf)
     for n in range(0, rays.shape[1], stride):
         ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
         first, second = ax + near * wx, ax + far * wx

@@ -20,10 +20,10 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
-from refdof.optics.lens_pattern import LensPattern
-from refdof.optics.shot import Shot
-from refdof.raster.filters.nbuffer import n_buffer
-from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
+from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.projection import Projection
+from refdof.raster.filters.n_buffer import n_buffer
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
@@ -75,7 +75,7 @@ def trace_layers(
     stack: Stack,
     values: Float,
     surfaces: Surfaces,
-    shot: Shot,
+    projection: Projection,
     focus: float,
     pattern: LensPattern,
     pinhole: Float,
@@ -94,7 +94,7 @@ def trace_layers(
         Colours, or attributes to be shaded.
     surfaces : Surfaces
         Lights and background.
-    shot : Shot
+    projection : Shot
     focus : float
         The focal plane [px of parallax].
     pattern : LensPattern
@@ -117,15 +117,28 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
     )
     lens, weights = lens.astype(dtype), pattern.weights
-    own: Any = dtype.type
-    stack, center = stack._replace(extension=own(stack.extension)), own(focus)
+    scalar: Any = dtype.type
+    stack, center = stack._replace(extension=scalar(stack.extension)), scalar(focus)
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
     how = stride, iterations, MISSES.index(misses), bool(linear)
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
         _trace_rows(
-            stack, values, surfaces, shot, center, lens, weights, pattern.set, pinhole, top, how, first, last, traced
+            stack,
+            values,
+            surfaces,
+            projection,
+            center,
+            lens,
+            weights,
+            pattern.set,
+            pinhole,
+            top,
+            how,
+            first,
+            last,
+            traced,
         )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
@@ -133,11 +146,13 @@ def trace_layers(
 
 
 @tile_kernel
-def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
+def _trace_rows(
+    stack, values, surfaces, projection, focus, lens, weights, sets, pinhole, top, how, first, last, traced
+):
     """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
     packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
     surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
-    own = packs.dtype.type
+    scalar = packs.dtype.type
     groups, height, width = packs.shape[:3]
     stride, iterations, misses, linear = how
     rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
@@ -145,13 +160,13 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
     for y in range(first, last):
         for x in range(width):
             chosen = sets[y % len(sets), x % len(sets)]
-            center = own(x) + own(0.5), own(y) + own(0.5), focus
+            center = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5), focus
             _aim_thin_lens(lens[chosen], center, rays)
-            inside = _all_inside(rays, max(top.max(), own(0.0)), width, height)
+            inside = _all_inside(rays, max(top.max(), scalar(0.0)), width, height)
             for group in range(groups):
                 near[group], far[group] = narrow(
                     lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], own(0.0), stack.extension, iterations,
+                    top[group], scalar(0.0), stack.extension, iterations,
                 )  # fmt: skip
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
@@ -171,8 +186,10 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 if layer == _BACKGROUND:
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
-                    right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
-                    r, g, b = _hit_color(surfaces, shot, packs, values, linear, layer, at_x, at_y, right, down, ax, ay)
+                    right, down = ax + u * wx - scalar(at_x) - scalar(0.5), ay + u * wy - scalar(at_y) - scalar(0.5)
+                    r, g, b = _hit_color(
+                        surfaces, projection, packs, values, linear, layer, at_x, at_y, right, down, ax, ay
+                    )
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
                 red += missed * pinhole[y, x, 0]
@@ -204,19 +221,19 @@ def _all_inside(rays, near, width, height):
 @inline
 def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
     """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
-    own = packs.dtype.type
+    scalar = packs.dtype.type
     height, width = packs.shape[1], packs.shape[2]
-    border = own(np.inf)
+    border = scalar(np.inf)
     if not inside:
         border = enter_picture(width, height, ax, ay, wx, wy)
         if border < 0.0:
             return _MISS, 0, 0, border, 0
         if border < np.inf:
-            x = int(min(max(ax + border * wx, own(0.0)), own(width - 1)))
-            y = int(min(max(ay + border * wy, own(0.0)), own(height - 1)))
+            x = int(min(max(ax + border * wx, scalar(0.0)), scalar(width - 1)))
+            y = int(min(max(ay + border * wy, scalar(0.0)), scalar(height - 1)))
             if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
-    layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0
+    layer, x, y, best, steps = _BACKGROUND, 0, 0, scalar(-1.0), 0
     for group in range(len(packs)):
         begin, end = min(near[group], border), max(far[group], best)
         if begin < end:
@@ -234,26 +251,29 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
 
 
 @inline
-def _hit_color(surfaces, shot, packs, values, linear, layer, x, y, right, down, ax, ay):
+def _hit_color(surfaces, projection, packs, values, linear, layer, x, y, right, down, ax, ay):
     """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
-    r, g, b = _radiance(surfaces, shot, values, layer, x, y, ax, ay)
+    r, g, b = _radiance(surfaces, projection, values, layer, x, y, ax, ay)
     if linear:
         across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
-        r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
-        r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
-        r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)
+        r1, g1, b1 = _radiance(surfaces, projection, values, *across, ax, ay)
+        r2, g2, b2 = _radiance(surfaces, projection, values, *along, ax, ay)
+        r3, g3, b3 = _radiance(surfaces, projection, values, *corner, ax, ay)
         r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
     return r, g, b
 
 
 @inline
-def _radiance(surfaces, shot, values, layer, x, y, ax, ay):
+def _radiance(surfaces, projection, values, layer, x, y, ax, ay):
     """Linear RGB of a sample: its colour, or its attributes seen along the ray that ends at (ax, ay)."""
     value = values[layer, y, x]
-    if len(value) != ATTRIBUTES:
+    if len(value) != GBUFFER_CHANNELS:
         return value[0], value[1], value[2]
-    dx, dy = (ax - 0.5 * shot.width) / shot.pixels_per_tangent, (0.5 * shot.height - ay) / shot.pixels_per_tangent
-    return shade_attributes(surfaces, value, dx, dy, -1.0)
+    dx, dy = (
+        (ax - 0.5 * projection.width) / projection.pixels_per_tangent,
+        (0.5 * projection.height - ay) / projection.pixels_per_tangent,
+    )
+    return shade_gbuffer(surfaces, value, dx, dy, -1.0)
 
 
 @inline

@@ -26,7 +26,7 @@ Departures from the paper
 - "1/4th resolution" of the N-buffer with "a factor of four" in memory: half the resolution along each axis.
 - Peeled layers come from exact ray casting, back faces included.
 - The closed form of the footprint bounds a round lens. Texels on the rim of an image aperture have corners outside
-  it; where such a point is drawn, all rays are bounded. Umbrae are those of the opening's own reach.
+  it; where such a point is drawn, all rays are bounded. Umbrae are those of the aperture's own reach.
 - Places are computed in float32, to 2^-24 of the parallax: where that is some pixels (a very wide lens), what is in
   focus no longer is.
 
@@ -43,11 +43,11 @@ import numpy as np
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
 from refdof.methods.lensblur.layer_trace import MISSES, Stack, new_stack, trace_layers
-from refdof.optics.lens_pattern import JITTERS, lens_pattern
-from refdof.optics.sampling import PATTERNS
-from refdof.raster.rays.attributes import attributes_of
-from refdof.raster.rays.peel import Layers
-from refdof.trace import Trace
+from refdof.optics.lens_samples import PATTERNS
+from refdof.optics.pixel_samples import JITTERS, lens_pattern
+from refdof.raster.rays.exact_layers import Layers
+from refdof.raster.rays.gbuffer import gbuffer_of
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "render"]
@@ -74,8 +74,8 @@ class Params:
     peel : "extended", "umbra" or "plain"
         What a layer hides of the next: the umbra of a pixel that reaches its neighbours' centres (the paper's), of the
         pixel itself, or nothing but itself.
-    jitter : one of `refdof.optics.lens_pattern.JITTERS`
-    pattern : one of `refdof.optics.sampling.PATTERNS`
+    jitter : one of `refdof.optics.pixel_samples.JITTERS`
+    pattern : one of `refdof.optics.lens_samples.PATTERNS`
         Of the lens points; "halton" jitter always takes Halton.
     footprint : "closed", "rays" or "quarter"
         Bounds of a pixel's rays: closed form of the thin lens, the quad around all rays, or around every fourth, which
@@ -139,7 +139,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole = view.pinhole().color
     if view.lens.radius == 0.0:
@@ -151,7 +151,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
     values = layers.color
     if params.deferred:
         values = view.product(
-            f"lensblur attributes {name}", lambda: attributes_of(view.surfaces(), view.shot(), layers.triangle)
+            f"lensblur attributes {name}", lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
         )
     pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
     footprint = params.footprint
@@ -161,7 +161,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
         stack,
         values,
         view.surfaces(),
-        view.shot(),
+        view.projection(),
         float(_parallax(view, view.lens.focus_distance)),
         pattern,
         pinhole,

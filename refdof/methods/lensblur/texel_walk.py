@@ -51,12 +51,12 @@ def pack_layers(parallax: Float) -> Float:
 @inline
 def enter_picture(width, height, ax, ay, wx, wy):
     """The parallax at which a ray comes into the picture: inf if it starts there, -inf if it never does."""
-    own = type(ax)
-    near = own(np.inf)
-    far = own(0.0)
-    near, far = _cut(own(width), ax, wx, near, far)
-    near, far = _cut(own(height), ay, wy, near, far)
-    return near if near >= far else own(-np.inf)
+    scalar = type(ax)
+    near = scalar(np.inf)
+    far = scalar(0.0)
+    near, far = _cut(scalar(width), ax, wx, near, far)
+    near, far = _cut(scalar(height), ay, wy, near, far)
+    return near if near >= far else scalar(-np.inf)
 
 
 @inline
@@ -75,17 +75,20 @@ def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
     packs (G, H, W, 4). The ray is inside the picture at u = near. `far` may cut the walk short: what lies below is not
     looked for.
     """
-    own = type(ax)
+    scalar = type(ax)
     pack = packs[group]
     height, width = pack.shape[0], pack.shape[1]
     x, step_x, inverse_x = _start(ax, wx, near, width)
     y, step_y, inverse_y = _start(ay, wy, near, height)
-    ahead_x, ahead_y = own(0.5) * own(1 + step_x), own(0.5) * own(1 + step_y)  # from the texel's corner to its exit
+    ahead_x, ahead_y = (
+        scalar(0.5) * scalar(1 + step_x),
+        scalar(0.5) * scalar(1 + step_y),
+    )  # from the texel's corner to its exit
     enter, steps, last_x, last_y = near, 0, x, y
     while True:
         steps += 1
-        leave_x = (own(x) + ahead_x - ax) * inverse_x if step_x != 0 else -own(np.inf)
-        leave_y = (own(y) + ahead_y - ay) * inverse_y if step_y != 0 else -own(np.inf)
+        leave_x = (scalar(x) + ahead_x - ax) * inverse_x if step_x != 0 else -scalar(np.inf)
+        leave_y = (scalar(y) + ahead_y - ay) * inverse_y if step_y != 0 else -scalar(np.inf)
         leave = max(leave_x, leave_y, far)
         # The four layers are ordered: the first that the ray meets is the nearest.
         for k in range(PACK):
@@ -127,16 +130,16 @@ def _start(a, w, near, size):
 
     The texel agrees with the crossings that the walk computes, so that a walk begun later passes the same texels.
     """
-    own = type(a)
-    at = math.floor(min(max(a + near * w, own(0.0)), own(size - 1)))
-    if abs(w) < own(1e-20):
-        return at, 0, own(0.0)
-    inverse = own(1.0) / w
+    scalar = type(a)
+    at = math.floor(min(max(a + near * w, scalar(0.0)), scalar(size - 1)))
+    if abs(w) < scalar(1e-20):
+        return at, 0, scalar(0.0)
+    inverse = scalar(1.0) / w
     step = -1 if w > 0.0 else 1  # u falls along the ray
-    entry, ahead = own(0.5) * own(1 - step), own(0.5) * own(1 + step)
-    while 0 <= at - step < size and (own(at) + entry - a) * inverse < near:
+    entry, ahead = scalar(0.5) * scalar(1 - step), scalar(0.5) * scalar(1 + step)
+    while 0 <= at - step < size and (scalar(at) + entry - a) * inverse < near:
         at -= step
-    while 0 <= at + step < size and (own(at) + ahead - a) * inverse >= near:
+    while 0 <= at + step < size and (scalar(at) + ahead - a) * inverse >= near:
         at += step
     return at, step, inverse
 
@@ -148,25 +151,25 @@ def neighbours(packs, layer, x, y, right, down):
     packs (G, H, W, 4). (right, down) is the hit's place from the texel's centre [px]. Only samples of the same surface
     count; where a texel has none, the hit one stands in.
     """
-    own = type(right)
+    scalar = type(right)
     side_x = min(max(x + (1 if right > 0.0 else -1), 0), packs.shape[2] - 1)
     side_y = min(max(y + (1 if down > 0.0 else -1), 0), packs.shape[1] - 1)
     u = packs[layer // PACK, y, x, layer % PACK]
     across = _same_surface(packs, u, layer, x, y, side_x, y)
     along = _same_surface(packs, u, layer, x, y, x, side_y)
     corner = _same_surface(packs, u, layer, x, y, side_x, side_y)
-    return across, along, corner, min(abs(right), own(0.5)), min(abs(down), own(0.5))
+    return across, along, corner, min(abs(right), scalar(0.5)), min(abs(down), scalar(0.5))
 
 
 @inline
 def _same_surface(packs, u, layer, x, y, side_x, side_y):
     """(layer, x, y) of the sample at a side texel that goes on from one at u; the sample itself if there is none."""
-    own = type(u)
+    scalar = type(u)
     for group in range(packs.shape[0]):
         for k in range(PACK):
             other = packs[group, side_y, side_x, k]
-            if other < u - own(_SAME_SURFACE):
+            if other < u - scalar(_SAME_SURFACE):
                 return layer, x, y
-            if other <= u + own(_SAME_SURFACE):
+            if other <= u + scalar(_SAME_SURFACE):
                 return group * PACK + k, side_x, side_y
     return layer, x, y

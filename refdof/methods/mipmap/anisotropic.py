@@ -1,8 +1,8 @@
 """Anisotropic mip chains: a blurred background takes nothing from what is sharp in front of it.
 
 0. copy the picture and its circles into level 0                             `begin`
-1. halve circles of confusion with a 3 x 3 Gaussian                          `halve`
-2. halve colour with the same one, without taps that are sharper             `halve`
+1. downsample circles of confusion with a 3 x 3 Gaussian                          `downsample`
+2. downsample colour with the same one, without taps that are sharper             `downsample`
 3. find the largest blur among nearer neighbours, for the last level         `foreground_blur`
 
 Circles are (H, W, 2): signed radius, for the order in depth, and its size, the degree of blur [px]. Each level has half
@@ -24,7 +24,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import weigh_texels
 
-__all__ = ["Chain", "begin", "depth_of_chain", "foreground_blur", "halve", "new_chain"]
+__all__ = ["Chain", "begin", "depth_of_chain", "downsample", "foreground_blur", "new_chain"]
 
 _SIDE = math.exp(-0.5)  # the Gaussian at one texel, with a standard deviation of one texel, which [1] leaves open
 _SHARES = np.array([_SIDE, 1.0, _SIDE]) / (1.0 + 2.0 * _SIDE)
@@ -71,12 +71,12 @@ def begin(color: Float, coc: Float, colors: Float, circles: Float) -> None:
     _begin(color, coc, colors, circles)
 
 
-def halve(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:
+def downsample(color: Float, circles: Float, delta: float, coarse_color: Float, coarse_circles: Float) -> None:
     """Fill the next level (h, w, 4), its last channel with 0, and (h, w, 2).
 
     `delta` [px]: how much sharper than the centre a tap may be; inf is equation (1).
     """
-    function = _halve_small if coarse_circles[..., 0].size < _SMALL else _halve
+    function = _downsample_small if coarse_circles[..., 0].size < _SMALL else _downsample
     function(color, circles, circles.dtype.type(delta), _SHARES.astype(circles.dtype), coarse_color, coarse_circles)
 
 
@@ -100,17 +100,17 @@ def _begin(color, coc, colors, circles):
 
 
 @kernel
-def _halve(color, circles, delta, shares, coarse_color, coarse_circles):
+def _downsample(color, circles, delta, shares, coarse_color, coarse_circles):
     columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
     for y in prange(len(coarse_circles)):
-        _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+        _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
 
 
 @tile_kernel
-def _halve_small(color, circles, delta, shares, coarse_color, coarse_circles):
+def _downsample_small(color, circles, delta, shares, coarse_color, coarse_circles):
     columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
     for y in range(len(coarse_circles)):
-        _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+        _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
 
 
 @inline
@@ -127,7 +127,7 @@ def _columns(fine, coarse, shares):
 
 
 @inline
-def _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles):
+def _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles):
     """Four rows are weighed into one, then its columns; or 16 texels where some are left out."""
     colors, sizes, places, weights, rights = (
         borrow(color),
@@ -138,9 +138,9 @@ def _halve_row(y, color, circles, columns, along, right, delta, shares, coarse_c
     )
     height, (fine_height, fine_width) = coarse_circles.shape[0], circles.shape[:2]
     all_texels = colors.reshape(fine_height * fine_width, 4)
-    own = circles.dtype.type
+    scalar = circles.dtype.type
     row, share = _centre(y, fine_height, height)
-    h, zero = own(share), own(0)
+    h, zero = scalar(share), scalar(0)
     rows = (
         _inside(row - 1, fine_height),
         _inside(row, fine_height),
@@ -253,17 +253,17 @@ def _foreground_row(y, circles, out):
     """Fill row y of out (h, w) from the finer level's circles (H, W, 2)."""
     height, width = out.shape
     fine_height, fine_width = circles.shape[:2]
-    own = circles.dtype.type
+    scalar = circles.dtype.type
     row, wy = _centre(y, fine_height, height)
     for x in range(width):
         column, wx = _centre(x, fine_width, width)
-        here = _tap(circles, column, row, own(wx), own(wy), 0)
-        largest = own(0)
+        here = _tap(circles, column, row, scalar(wx), scalar(wy), 0)
+        largest = scalar(0)
         for j in range(-1, 2):
             for i in range(-1, 2):
-                tap = _tap(circles, column + i, row + j, own(wx), own(wy), 0)
-                if tap < own(0) and tap < here:
-                    largest = max(largest, _tap(circles, column + i, row + j, own(wx), own(wy), 1))
+                tap = _tap(circles, column + i, row + j, scalar(wx), scalar(wy), 0)
+                if tap < scalar(0) and tap < here:
+                    largest = max(largest, _tap(circles, column + i, row + j, scalar(wx), scalar(wy), 1))
         out[y, x] = largest
 
 

@@ -1,11 +1,13 @@
 """Mipmap interpolation: every pixel reads a mip level as coarse as its blur, made without leaks from sharp pixels.
 
 1. Take the circle of confusion as degree of blur                           `blur`
-2. Build mip levels of circles, and of colour without what is sharper       `refdof.methods.mipmap.anisotropic.halve`
+2. Build mip levels of circles, and of colour without what is sharper
+   `refdof.methods.mipmap.anisotropic.downsample`
 3. Find the blur of nearer neighbours at the last level
    `refdof.methods.mipmap.anisotropic.foreground_blur`
-4. Magnify it, and read the degree of blur as coarse as that                `refdof.methods.mipmap.magnify.smooth_blur`
-5. Blend two mip levels of colour at nine points of a circle                `refdof.methods.mipmap.magnify.magnify`
+4. Upsample it, and read the degree of blur as coarse as that
+   `refdof.methods.mipmap.upsample.smooth_blur`
+5. Blend two mip levels of colour at nine points of a circle                `refdof.methods.mipmap.upsample.upsample`
 
 Stages: "coc" (H, W) px, "degree" (H, W) px, "neighbours" (H, W) px, "smoothed" (H, W) px, "level" (H, W),
 "color 1", "color 2", ... (h, w, 3).
@@ -44,11 +46,11 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_instance, as_integer, as_number
 from refdof.methods._contract import LARGEST_RADIUS, Method, level_shares
-from refdof.methods._images import as_images, within
-from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, foreground_blur, halve, new_chain
-from refdof.methods.mipmap.magnify import CIRCLE, K_SIGMA, magnify, smooth_blur
+from refdof.methods._image_validation import as_images, within
+from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
+from refdof.methods.mipmap.upsample import CIRCLE, K_SIGMA, smooth_blur, upsample
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -109,7 +111,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, coc, params, trace)
@@ -147,17 +149,17 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     color, depth, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:
         raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")
-    return _blur(color, coc, params, Trace())
+    return _blur(color, coc, params, StageRecorder())
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     height, width = coc.shape
     last = _last_level(max(float(coc.max()), -float(coc.min())), width, height)
     circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))
     begin(color, coc, colors.level(0), circles.level(0))  # four channels are one register
     _round(circles.level(0), params)
     for k in range(last):
-        halve(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
+        downsample(colors.level(k), circles.level(k), params.delta, colors.level(k + 1), circles.level(k + 1))
         _round(circles.level(k + 1), params)
     points = params.foreground_points if last else 0
     if points:
@@ -173,7 +175,7 @@ def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
     trace.record("level", lambda: smoothed.levels)
     for k in range(1, last + 1):
         trace.record(f"color {k}", lambda k=k: colors.level(k)[..., :3])  # type: ignore[misc]
-    return magnify(colors, smoothed, params.blend == "geometric")
+    return upsample(colors, smoothed, params.blend == "geometric")
 
 
 def _last_level(largest: float, width: int, height: int) -> int:

@@ -27,8 +27,8 @@ from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.coverage import coverage_mipmaps
 from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.optics.lens_pattern import LensPattern
-from refdof.optics.shot import Shot
+from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.projection import Projection
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
@@ -60,8 +60,8 @@ def mip_chain(surface: Float, coc: Float, copied: Index, widest: float, reach: F
     most = 2 + math.ceil(math.log2(max(widest, 1.0)))
     layers, closed, shapes = [], [], []
     for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
-        own = (filled & ~copy)[..., None]
-        image = np.concatenate([np.where(own, values, 0), own], axis=-1, dtype=np.float32)
+        uncopied = (filled & ~copy)[..., None]
+        image = np.concatenate([np.where(uncopied, values, 0), uncopied], axis=-1, dtype=np.float32)
         levels = coverage_mipmaps(image, filled)[:most]
         shapes = [(level.shape[1], level.shape[0]) for level in levels]
         layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
@@ -93,7 +93,7 @@ def gather_cones(
     widening: float,
     pattern: LensPattern,
     search: Search,
-    shot: Shot,
+    projection: Projection,
     surfaces: Surfaces,
     background: Any,
 ) -> Float:
@@ -107,7 +107,7 @@ def gather_cones(
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
         _cone_rows(
-            fields, chain, widening, points, weights, pattern.set, search, shot, surfaces, table, first, last, out
+            fields, chain, widening, points, weights, pattern.set, search, projection, surfaces, table, first, last, out
         )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
@@ -115,7 +115,9 @@ def gather_cones(
 
 
 @tile_kernel
-def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, surfaces, background, first, last, out):
+def _cone_rows(
+    fields, chain, widening, points, weights, sets, search, projection, surfaces, background, first, last, out
+):
     """Rows first .. last - 1 of out (H, W, 3)."""
     fields, points, weights, sets = borrow_fields(fields), borrow(points), borrow(weights), borrow(sets)
     texels, level, surfaces, out = borrow(chain.texels), borrow(chain.level), borrow_surfaces(surfaces), borrow(out)
@@ -143,18 +145,18 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                     if _beside(u, i, fields.coc.shape[2]) or _beside(v, j, fields.coc.shape[1]):
                         u, v, diameter = i + 0.5, j + 0.5, 0.0
                     _read(texels[k], level, u, v, diameter, found)
-                    own, free = found[-2], 1.0 - (found[-1] - found[-2])
-                    if own <= 0.0:
+                    covered, free = found[-2], 1.0 - (found[-1] - found[-2])
+                    if covered <= 0.0:
                         continue
-                    share = own / free if own < free - _ROUNDING else 1.0
+                    share = covered / free if covered < free - _ROUNDING else 1.0
                     if share < 1.0 and closed.shape[1] > 0 and fields.coc[k, j, i] < np.inf:
                         _read(closed[k], level, u, v, diameter, whole)
-                        own = whole[-1]
-                        share = (own + free - 1.0) / free if own < 1.0 - _ROUNDING else 1.0
+                        covered = whole[-1]
+                        share = (covered + free - 1.0) / free if covered < 1.0 - _ROUNDING else 1.0
                         found[: len(whole) - 1] = whole[: len(whole) - 1]
                     for channel in range(len(found) - 2):
-                        found[channel] /= own
-                    dx, dy = ray_tangents(shot, x, y, vx, vy)
+                        found[channel] /= covered
+                    dx, dy = ray_tangents(projection, x, y, vx, vy)
                     r, g, b = light_of(surfaces, found, dx, dy)
                     part = through * share
                     red, green, blue = red + part * r, green + part * g, blue + part * b
@@ -168,7 +170,7 @@ def _cone_rows(fields, chain, widening, points, weights, sets, search, shot, sur
                     through = 0.0
                 total += weight - through
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
+                red, green, blue = pinhole_light(fields, texels, surfaces, projection, background, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 

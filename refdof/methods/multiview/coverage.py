@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, shape_of
-from refdof.raster.filters.mipmap import generate_mipmaps
+from refdof.raster.filters.mip_chain import generate_mipmaps
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 
 __all__ = ["average_color", "coverage_mipmaps"]

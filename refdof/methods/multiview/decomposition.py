@@ -35,7 +35,7 @@ from refdof._check import Float, Index, InputError
 from refdof._jit import inline, kernel, prange, tile_kernel
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 
 __all__ = ["Decomposition", "Sources", "copies", "decompose", "layer_bounds"]
 

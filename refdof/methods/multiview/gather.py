@@ -9,11 +9,11 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
 from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
-from refdof.methods.multiview.ray_doubt import in_doubt
-from refdof.optics.lens_pattern import LensPattern
-from refdof.optics.shot import Shot
-from refdof.raster.rays.attributes import ATTRIBUTES, shade_attributes
+from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.projection import Projection
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]
@@ -24,7 +24,7 @@ _ROWS_PER_TASK = 8
 class Hits(NamedTuple):
     """What each ray meets. layer (H, W, N) int32: -1 the background, -2 not known, as the ray leaves the image;
     texel (H, W, N) int32: row * W + column, -1: none; coc (H, W, N): where along the ray [px], inf: nowhere;
-    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.methods.multiview.ray_doubt`).
+    ambiguous (H, W, N) bool: a walk over every texel may answer otherwise (`refdof.methods.multiview.ambiguous_rays`).
     """
 
     layer: Index
@@ -38,7 +38,7 @@ def gather(
     surface: Float,
     pattern: LensPattern,
     search: Search,
-    shot: Shot,
+    projection: Projection,
     surfaces: Surfaces,
     background: Any,
 ) -> Float:
@@ -53,7 +53,9 @@ def gather(
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
-        _gather_rows(fields, surface, points, weights, pattern.set, search, shot, surfaces, table, first, last, out)
+        _gather_rows(
+            fields, surface, points, weights, pattern.set, search, projection, surfaces, table, first, last, out
+        )
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return out
@@ -86,7 +88,7 @@ def culled_layers(fields: Fields, search: Search) -> Any:
 
 
 @tile_kernel
-def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces, background, first, last, out):
+def _gather_rows(fields, surface, points, weights, sets, search, projection, surfaces, background, first, last, out):
     """Rows first .. last - 1 of out (H, W, 3)."""
     fields, surface, points, weights = borrow_fields(fields), borrow(surface), borrow(points), borrow(weights)
     surfaces, out, sets = borrow_surfaces(surfaces), borrow(out), borrow(sets)
@@ -110,30 +112,30 @@ def _gather_rows(fields, surface, points, weights, sets, search, shot, surfaces,
                 if place == -1:
                     r, g, b = background
                 else:
-                    dx, dy = ray_tangents(shot, x, y, vx, vy)
+                    dx, dy = ray_tangents(projection, x, y, vx, vy)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
                     r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, surfaces, shot, background, x, y)
+                red, green, blue = pinhole_light(fields, texels, surfaces, projection, background, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
 
 @inline
-def ray_tangents(shot, x, y, vx, vy):
+def ray_tangents(projection, x, y, vx, vy):
     """Direction (dx, dy, -1) of the ray of pixel (x, y) through lens point v."""
-    dx, dy = (x + 0.5 - 0.5 * shot.width), (0.5 * shot.height - y - 0.5)
-    bend, scale = shot.lens_radius * shot.inverse_focus, 1.0 / shot.pixels_per_tangent
+    dx, dy = (x + 0.5 - 0.5 * projection.width), (0.5 * projection.height - y - 0.5)
+    bend, scale = projection.lens_radius * projection.inverse_focus, 1.0 / projection.pixels_per_tangent
     return dx * scale - bend * vx, dy * scale - bend * vy
 
 
 @inline
-def pinhole_light(fields, texels, surfaces, shot, background, x, y):
+def pinhole_light(fields, texels, surfaces, projection, background, x, y):
     """What the pinhole sees at pixel (x, y) of layers whose texels (K, >= H W, C) begin with the full picture."""
     for k in range(len(fields.coc)):
         if fields.coc[k, y, x] < np.inf:
-            dx, dy = ray_tangents(shot, x, y, 0.0, 0.0)
+            dx, dy = ray_tangents(projection, x, y, 0.0, 0.0)
             return light_of(surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
     return background
 
@@ -141,9 +143,9 @@ def pinhole_light(fields, texels, surfaces, shot, background, x, y):
 @inline
 def light_of(surfaces, surface, dx, dy):
     """A texel's colour, or its attributes shaded along the ray; further channels have no part."""
-    if len(surface) < ATTRIBUTES:
+    if len(surface) < GBUFFER_CHANNELS:
         return np.float64(surface[0]), np.float64(surface[1]), np.float64(surface[2])
-    return shade_attributes(surfaces, surface, dx, dy, -1.0)
+    return shade_gbuffer(surfaces, surface, dx, dy, -1.0)
 
 
 @tile_kernel
@@ -163,7 +165,7 @@ def _hit_rows(fields, points, sets, search, first, last, hits):
                 hits.layer[y, x, n] = ~k if place >= 0 and k < 0 else k
                 hits.texel[y, x, n] = j * fields.coc.shape[2] + i if place >= 0 else -1
                 hits.coc[y, x, n] = c if place >= 0 else np.inf
-                hits.ambiguous[y, x, n] = in_doubt(fields, layers, count, border, px, py, vx, vy, search)
+                hits.ambiguous[y, x, n] = ray_is_ambiguous(fields, layers, count, border, px, py, vx, vy, search)
 
 
 @tile_kernel

@@ -32,7 +32,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline
-from refdof.raster.filters.nbuffer import lowest_in, n_buffer
+from refdof.raster.filters.n_buffer import lowest_in, n_buffer
 
 __all__ = [
     "Fields",

@@ -2,7 +2,7 @@
 
 1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.methods.multiview.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
-3. Choose lens points for every pixel                                      `refdof.optics.lens_pattern`
+3. Choose lens points for every pixel                                      `refdof.optics.pixel_samples`
 4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.height_field`,
    `visit`
 5. Follow each ray front to back, from texel to texel or by false position  `refdof.methods.multiview.height_field`,
@@ -12,12 +12,12 @@
 Stages, with K layers that are not empty out of L, S depth buffers of the first pass, N lens points, c in px:
 "bounds" (L + 1,) c; "source_coc", "source_triangle" (S, H, W): first pass; "layer_number" (K,); "layer_interval" (K, 2)
 c; "layer_coc" (K, H, W), inf: empty; "layer_triangle" (K, H, W), -1: empty; "layer_surface" (K, H, W, 3 or 13):
-linear RGB or attributes (`refdof.raster.rays.attributes`); "culled" (K, H, W); "lens_points" (sets, N, 2),
+linear RGB or attributes (`refdof.raster.rays.gbuffer`); "culled" (K, H, W); "lens_points" (sets, N, 2),
 "lens_weights" (sets, N), "lens_set" (h, w), repeated over the image; "hit_layer" (H, W, N), -1: background, -2: leaves
 the image;
 "hit_texel" (H, W, N): row * W + column; "hit_coc" (H, W, N) c; "ambiguous" (H, W, N):
-`refdof.methods.multiview.ray_doubt`. With cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1), "mip_levels"
-(M, 3), and hits are the first ones of the cones' middle rays.
+`refdof.methods.multiview.ambiguous_rays`. With cones: "mip_texels" (K, T, C + 2), "mip_closed" (K, T, C + 1),
+"mip_levels" (M, 3), and hits are the first ones of the cones' middle rays.
 
 Departures from the paper
 -------------------------
@@ -70,11 +70,11 @@ from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods.multiview.decomposition import Decomposition, copies, decompose
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Fields, Search, fields_of
-from refdof.optics.lens_pattern import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
-from refdof.optics.sampling import PATTERNS, lens_samples
-from refdof.raster.rays.attributes import ATTRIBUTES, attributes_of
+from refdof.optics.lens_samples import PATTERNS, lens_samples
+from refdof.optics.pixel_samples import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of
 from refdof.raster.rays.layer_color import colors_of
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = [
@@ -123,8 +123,8 @@ class Params:
         Skip layers early; changes no bit.
     offscreen : one of `OFFSCREEN`
         What rays do that leave the image: nothing, or see its border.
-    jitter : one of `refdof.optics.lens_pattern.JITTERS`
-    pattern : one of `refdof.optics.sampling.PATTERNS`
+    jitter : one of `refdof.optics.pixel_samples.JITTERS`
+    pattern : one of `refdof.optics.lens_samples.PATTERNS`
     cones : one of `CONES`
     view_dependent : bool
         Shade at the hit, along the lens ray, instead of in the layer, along the pinhole's.
@@ -204,7 +204,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     layers = _decomposition(view, params, trace)
     surface = _surface(view, layers, params)
@@ -227,7 +227,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
         params.offscreen == "discard",
     )
     _record_rays(trace, fields, pattern, search)
-    rays = pattern, search, view.shot(), view.surfaces(), view.scene.background
+    rays = pattern, search, view.projection(), view.surfaces(), view.scene.background
     if params.cones == "none":
         return gather(fields, surface, *rays)
     widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
@@ -251,7 +251,7 @@ def _skirt(widening: float, layers: Decomposition) -> Float:
     return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
 
 
-def _decomposition(view: View, params: Params, trace: Trace) -> Decomposition:
+def _decomposition(view: View, params: Params, trace: StageRecorder) -> Decomposition:
     """Step 1: layers of the view."""
     choice = _choice(view, params)
     layers, sources = view.product(
@@ -281,21 +281,21 @@ def _choice(view: View, params: Params) -> dict[str, Any]:
 
 def _texel_bytes(params: Params) -> int:
     """Memory per texel of a layer: heights, triangles, search structures, colours or attributes, and their mipmaps."""
-    channels = ATTRIBUTES if params.view_dependent else 3
+    channels = GBUFFER_CHANNELS if params.view_dependent else 3
     mipped = channels + 2 + (0 if params.wall_px == np.inf else channels + 1)
     return 20 + 4 * channels + (0 if params.cones == "none" else 11 * mipped)
 
 
 def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     """Step 2: colours (K, H, W, 3) or attributes (K, H, W, 13) of the layers."""
-    make = attributes_of if params.view_dependent else colors_of
+    make = gbuffer_of if params.view_dependent else colors_of
     return view.product(
         f"multiview {make.__name__} {_choice(view, params)}",
-        lambda: make(view.surfaces(), view.shot(), layers.triangle),
+        lambda: make(view.surfaces(), view.projection(), layers.triangle),
     )
 
 
-def _record_rays(trace: Trace, fields: Fields, pattern: LensPattern, search: Search) -> None:
+def _record_rays(trace: StageRecorder, fields: Fields, pattern: LensPattern, search: Search) -> None:
     """Record what early culling skips and what every ray hits."""
     if not trace.on:
         return

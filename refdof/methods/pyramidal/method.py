@@ -41,9 +41,9 @@ import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
 from refdof.methods._contract import LARGEST_RADIUS, Method
-from refdof.methods._images import as_images, within
+from refdof.methods._image_validation import as_images, within
 from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -92,7 +92,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, trace)
 
@@ -122,7 +122,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     """
     as_instance("params", params, Params)
     color, depth, coc = as_images(color, depth, coc)
-    return _blur(color, coc, params, Trace())
+    return _blur(color, coc, params, StageRecorder())
 
 
 def _units(fill: Sequence[float], soften: Sequence[float]) -> float:
@@ -138,10 +138,10 @@ def _shares(width: int, height: int, levels: int) -> list[float]:
     return [-(-width // 2**k) * -(-height // 2**k) / (width * height) for k in range(levels + 1)]
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     trace.record("coc", lambda: coc)
     front, back = _side(-float(coc.min()), params), _side(float(coc.max()), params)
-    own = color.dtype.type
+    scalar = color.dtype.type
     known_all = np.concatenate([color, coc[..., None]], axis=-1)
     out = np.zeros((*coc.shape, 4), dtype=color.dtype)
     for i in range(back, -front - 1, -1):
@@ -152,8 +152,8 @@ def _blur(color: Float, coc: Float, params: Params, trace: Trace) -> Float:
         layer[..., 3] = opacity
         layer = blurred(layer, abs(i))
         trace.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
-        out = layer + (own(1) - layer[..., 3:]) * out
-    return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], own(1)), color)
+        out = layer + (scalar(1) - layer[..., 3:]) * out
+    return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], scalar(1)), color)
 
 
 def _side(largest: float, params: Params) -> int:

@@ -27,7 +27,7 @@ def level_count(width: int, height: int) -> int:
 
 
 def blurred(image: Float, levels: int) -> Float:
-    """Halve `levels` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, C)."""
+    """Downsample `levels` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, C)."""
     shapes = []
     for _ in range(levels):
         shapes.append(image.shape)

@@ -31,9 +31,9 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
-from refdof.methods._images import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.scatter.disc import LARGEST_DISC, covered, inner_count, outer_count
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -76,7 +76,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
@@ -109,10 +109,10 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     -----
     Costs O(H W r^2) for circles of radius r. Energy is kept where all circles are alike, away from the border.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), Trace())
+    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: Trace) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
     radius = np.minimum(np.abs(coc).astype(np.float64), LARGEST_DISC)
     if params.order == "none":
         order = np.arange(depth.size)

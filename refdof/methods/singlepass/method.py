@@ -35,9 +35,9 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
-from refdof.methods._images import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.singlepass.planar import pad_planes, tap_of
-from refdof.trace import Trace
+from refdof.stages import StageRecorder
 from refdof.view import View
 
 __all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
@@ -88,7 +88,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: Trace) -> Float:
+def render(view: View, params: Params, trace: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), view.coc_px()
     trace.record("coc", lambda: coc)
@@ -171,7 +171,7 @@ def _spread(color, guides, offsets, weights, inner, bilinear):
     out = np.empty((height, width, 3), dtype=color.dtype)
     for y in prange(height):
         planes, depths = borrow(color), borrow(guides)
-        own = color.dtype.type
+        scalar = color.dtype.type
         mean = np.empty((3, width), dtype=color.dtype)
         cover = np.empty(width, dtype=color.dtype)
         depth = np.empty(width, dtype=color.dtype)
@@ -179,7 +179,7 @@ def _spread(color, guides, offsets, weights, inner, bilinear):
         here = depths[0, y + _MARGIN, _MARGIN : _MARGIN + width]
         limit = depths[1, y + _MARGIN, _MARGIN : _MARGIN + width].copy()
         for x in range(width):
-            limit[x] = own(_BEHIND) * min(abs(limit[x]), own(MAX_BLUR_SIZE))
+            limit[x] = scalar(_BEHIND) * min(abs(limit[x]), scalar(MAX_BLUR_SIZE))
         for c in range(3):
             mean[c] = planes[c, y + _MARGIN, _MARGIN : _MARGIN + width]
         for k in range(len(offsets)):
@@ -189,19 +189,19 @@ def _spread(color, guides, offsets, weights, inner, bilinear):
                 _filter(depths[0, dy, dx:last], depths[0, dy + 1, dx:last], weights[k, 0], weights[k, 1], depth)
                 _filter(depths[1, dy, dx:last], depths[1, dy + 1, dx:last], weights[k, 0], weights[k, 1], size)
                 for x in range(width):
-                    size[x] = min(abs(size[x]), own(MAX_BLUR_SIZE))
+                    size[x] = min(abs(size[x]), scalar(MAX_BLUR_SIZE))
                 _reach(depth, size, here, limit, inner[k], cover)
             else:
                 nx, ny = offsets[k, 2] + _MARGIN, offsets[k, 3] + _MARGIN + y
                 last = nx + width
                 _reach(depths[0, ny, nx:last], depths[1, ny, nx:last], here, limit, inner[k], cover)
-            total = own(k + 1)
+            total = scalar(k + 1)
             for c in range(3):
                 top, bottom = planes[c, dy, dx : dx + width + 1], planes[c, dy + 1, dx : dx + width + 1]
                 _blend(top, bottom, weights[k, 0], weights[k, 1], cover, total, mean[c])
         for c in range(3):
             for x in range(width):
-                out[y, x, c] = mean[c, x] / own(len(offsets) + 1)
+                out[y, x, c] = mean[c, x] / scalar(len(offsets) + 1)
     return out
 
 

@@ -11,7 +11,7 @@ from refdof._check import Float, Index, as_float, as_index, as_instance, as_numb
 from refdof._jit import inline, tile_kernel
 from refdof.optics.camera import Camera
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
-from refdof.raster.gpu.triangles import FINEST_BITS, NEAR
+from refdof.raster.gpu.rasterize import FINEST_BITS, NEAR
 
 __all__ = ["ambiguous_pixels", "near_edges", "tied_depths"]
 

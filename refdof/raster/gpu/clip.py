@@ -1,8 +1,8 @@
-"""Pieces: triangles clipped in camera space, projected and snapped to the sub-pixel grid, as a GPU does.
+"""Clipped triangles: clipped in camera space, projected and snapped to the sub-pixel grid, as a GPU does.
 
 1. `_polygon`   clip a triangle at the near plane and at a guard band far outside the picture [1]
 2. `_snap`      project a corner and round it to the grid, in float32 or exactly
-3. `_set_up`    one snapped triangle per piece, counter-clockwise in (x, row), with its box of pixels
+3. `_set_up`    one snapped triangle per clipped triangle, counter-clockwise in (x, row), with its box of pixels
 
 Two triangles cut their shared edge at the same bits, since each cut runs from the inside to the outside.
 
@@ -19,13 +19,13 @@ from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.optics.camera import Camera
 
-__all__ = ["Pieces", "pieces_of", "snapped"]
+__all__ = ["ClippedTriangles", "clip_triangles", "snapped"]
 
 _GUARD_PX = 32768.0  # farther from the picture's centre, float32 has no sub-pixels left and edges could overflow
 _MOST_CORNERS = 8  # a triangle cut by five planes
 
 
-class Pieces(NamedTuple):
+class ClippedTriangles(NamedTuple):
     """T snapped triangles in order of their face, from zero to six for a face.
 
     corner (T, 6) int32: x, y of three corners [2^-bits px, from the centre of pixel (0, 0), y down], never clockwise
@@ -38,7 +38,9 @@ class Pieces(NamedTuple):
     box: Index
 
 
-def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: int, exact: bool) -> Pieces:
+def clip_triangles(
+    vertices: Float, faces: Index, camera: Camera, near: float, bits: int, exact: bool
+) -> ClippedTriangles:
     """Clip, project and snap: vertices (V, 3) float64 in camera space, near [scene units] > 0.
 
     exact: window positions are not rounded to float32 before they snap to 2^-bits px.
@@ -47,11 +49,11 @@ def pieces_of(vertices: Float, faces: Index, camera: Camera, near: float, bits: 
     counts = _count(vertices, faces, near, scale)
     first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     total = int(first[-1])
-    pieces = Pieces(
+    clipped = ClippedTriangles(
         np.empty((total, 6), dtype=np.int32), np.empty(total, dtype=np.int32), np.empty((total, 4), dtype=np.int32)
     )
-    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, exact, first, pieces)
-    return pieces
+    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, exact, first, clipped)
+    return clipped
 
 
 def snapped(vertices: Float, camera: Camera, near: float, bits: int, exact: bool) -> Float:
@@ -74,7 +76,7 @@ def _move(vertices, near, scale, width, height, bits, exact):
 
 @kernel
 def _count(vertices, faces, near, scale):
-    """Pieces of each face: (F,) int64."""
+    """Clipped triangles of each face: (F,) int64."""
     counts = np.zeros(len(faces), dtype=np.int64)
     for i in prange(len(faces)):
         outside, common = _codes(vertices, faces, i, near, scale)
@@ -86,8 +88,8 @@ def _count(vertices, faces, near, scale):
 
 
 @kernel
-def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, pieces):
-    """Fill `pieces`; `first` (F + 1,) says where those of each face begin."""
+def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, clipped):
+    """Fill `clipped`; `first` (F + 1,) says where those of each face begin."""
     for i in prange(len(faces)):
         if first[i + 1] == first[i]:
             continue
@@ -105,7 +107,7 @@ def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, pie
         bx, by = _snap_corner(room[side, 1], scale, width, height, bits, exact)
         for k in range(2, count):
             cx, cy = _snap_corner(room[side, k], scale, width, height, bits, exact)
-            _store(pieces, first[i] + k - 2, i, ax, ay, bx, by, cx, cy, width, height, bits)
+            _store(clipped, first[i] + k - 2, i, ax, ay, bx, by, cx, cy, width, height, bits)
             bx, by = cx, cy
 
 
@@ -193,14 +195,14 @@ def _in_guard(place):
 
 
 @inline
-def _store(pieces, n, face, ax, ay, bx, by, cx, cy, width, height, bits):
-    """Write piece n, turned so that its area is positive; one without area gets an empty box."""
+def _store(clipped, n, face, ax, ay, bx, by, cx, cy, width, height, bits):
+    """Write clipped triangle n, turned so that its area is positive; one without area gets an empty box."""
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     if area < 0:
         bx, by, cx, cy = cx, cy, bx, by
-    corner, box = pieces.corner[n], pieces.box[n]
+    corner, box = clipped.corner[n], clipped.box[n]
     corner[0], corner[1], corner[2], corner[3], corner[4], corner[5] = ax, ay, bx, by, cx, cy
-    pieces.face[n] = face
+    clipped.face[n] = face
     box[0], box[1] = max(0, -(-min(ax, bx, cx) >> bits)), min(width - 1, max(ax, bx, cx) >> bits)
     box[2], box[3] = max(0, -(-min(ay, by, cy) >> bits)), min(height - 1, max(ay, by, cy) >> bits)
     if area == 0 or box[0] > box[1] or box[2] > box[3]:

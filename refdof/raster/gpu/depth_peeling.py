@@ -1,6 +1,6 @@
 """Depth peeling: layers of the GPU kind, one rasterisation per layer, each behind the depth of the last.
 
-1. draw the nearest surfaces                                        `refdof.raster.gpu.triangles`
+1. draw the nearest surfaces                                        `refdof.raster.gpu.rasterize`
 2. draw again what lies behind them, or behind their umbra [2]      `_floor`
 3. stop when nothing is left
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_integer, as_number
 from refdof.optics.camera import Camera
-from refdof.raster.gpu.triangles import Raster, rasterize
+from refdof.raster.gpu.rasterize import Raster, rasterize
 
 __all__ = ["peel_raster"]
 

@@ -17,9 +17,8 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_instance, shape_of
 from refdof._jit import kernel, prange
-from refdof.raster.gpu.filters import rules_of
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel, decode_unorm
-from refdof.raster.gpu.reads import read_level, read_points
+from refdof.raster.gpu.texture_sampling import read_level, read_points, rules_of
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
 
@@ -189,7 +188,7 @@ def _as_floats(image: Any, border: Any, model: GpuModel) -> tuple[Float, Float]:
 
 def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, model: GpuModel) -> Float:
     """`trilinear` in integers: u, v, lod (N,) -> (N, C)."""
-    level, own = np.floor(lod).astype(np.int64), u.dtype.type
+    level, scalar = np.floor(lod).astype(np.int64), u.dtype.type
     parts = []
     for step in (0, 1):
         read = np.empty((len(u), images[0].shape[2]), dtype=np.int64)
@@ -197,7 +196,7 @@ def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, mode
         for k in np.unique(chosen):
             here, (height, width) = chosen == k, images[k].shape[:2]
             with np.errstate(over="ignore"):  # far outside
-                x, y = _fixed(u[here] * own(width), width), _fixed(v[here] * own(height), height)
+                x, y = _fixed(u[here] * scalar(width), width), _fixed(v[here] * scalar(height), height)
             read[here] = _filter_bytes(images[k], x, y)
         parts.append(read)
     weight = np.floor((lod - level) * 256).astype(np.int64)[:, None]

@@ -125,7 +125,7 @@ def _far_wall(far: float, aisle: float, wall: Material, sand: Material, rng: np.
     y = front.vertices[:, 1]
     glow = 0.75 + 0.35 * np.exp(-((front.vertices[:, 0] ** 2 + (y - 4.5) ** 2) / 14.0))
     yield front.tiled(0.5, 0.5).tinted(glow[:, None] * corner_shade(y, 0.4, 0.45)).part(wall)
-    # Trim: a moulded ring about the opening, a string course, a rose with spokes.
+    # Trim: a moulded ring about the aperture, a string course, a rose with spokes.
     ring = [
         _hoop(aisle - 1.15 + 0.1, 2.3, far + 0.32, half=True),
         box(2 * aisle + 0.6, 0.18, 0.3).moved(0, _STOREY, far + 0.35),

@@ -1,6 +1,6 @@
 """Lights: a cafe table in a rainy street at night, in focus, among small bright lamps before and behind it.
 
-Figure 8 (bokeh) of Lee, Eisemann & Seidel (2009): every lamp out of focus draws the lens opening's shape.
+Figure 8 (bokeh) of Lee, Eisemann & Seidel (2009): every lamp out of focus draws the lens aperture's shape.
 """
 
 from collections.abc import Iterator

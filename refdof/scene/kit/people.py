@@ -154,7 +154,7 @@ def draped(body: Body, torso: Body, waist: float, hem: float, rng: np.random.Gen
 
     def distance(points: Float) -> Float:
         x, y, z = points.T
-        own = body(points)
+        bare = body(points)
         angle = np.arctan2(x, z)
         t = np.clip((waist - y) / waist, 0.0, 1.0)
         wave = np.sin(folds * angle + phase + 2.5 * noise(points * [1.5, 1.0, 1.5])) + 0.4 * np.sin(9 * angle + 5 * y)
@@ -163,8 +163,8 @@ def draped(body: Body, torso: Body, waist: float, hem: float, rng: np.random.Gen
         skirt = np.maximum(skirt, np.maximum(y - waist - 0.02 * np.sin(3 * angle), hem - y))
         across = (0.62 * x + 0.78 * (y - 1.24)) + 0.02 * np.sin(8 * x + phase)
         sash = np.maximum(np.abs(across) - 0.065, torso(points) - 0.022 - 0.009 * np.sin(95 * across))
-        own = np.minimum(own, sash)
-        return merged(own, skirt, 0.03)
+        bare = np.minimum(bare, sash)
+        return merged(bare, skirt, 0.03)
 
     return distance
 

@@ -41,8 +41,8 @@ def soft_union(cones: Float, soft: float) -> Body:
             ex, ey, ez = bx - ax, by - ay, (bz - az) / flat
             t = np.clip((px * ex + py * ey + pz * ez) / max(ex * ex + ey * ey + ez * ez, 1e-12), 0.0, 1.0)
             px, py, pz = px - t * ex, py - t * ey, pz - t * ez
-            own = (np.sqrt(px * px + py * py + pz * pz) - ra - t * (rb - ra)) * min(1.0, flat)
-            total[k] = merged(total[k], own, soft)
+            to_cone = (np.sqrt(px * px + py * py + pz * pz) - ra - t * (rb - ra)) * min(1.0, flat)
+            total[k] = merged(total[k], to_cone, soft)
         return total
 
     return distance

@@ -122,8 +122,8 @@ def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
 def _lens(table: Mapping[str, Any]) -> ThinLens:
     if "blades" not in table:
         return ThinLens(table["radius"], table["focus_distance"])
-    opening = Aperture.polygon(table["blades"], table.get("rotation", 0.0), table.get("curvature", 0.0))
-    return ThinLens(table["radius"], table["focus_distance"], opening)
+    aperture = Aperture.polygon(table["blades"], table.get("rotation", 0.0), table.get("curvature", 0.0))
+    return ThinLens(table["radius"], table["focus_distance"], aperture)
 
 
 def _table(file: str, table: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -12,8 +12,8 @@ from refdof import InputError, ThinLens, View
 from refdof.methods import cascaded
 from refdof.methods.cascaded import Params, blur_buffers, layering_of
 from refdof.methods.cascaded.layers import cluster_layers, deviation, filter_layers, inverse_coc
-from refdof.trace import Trace
-from tests import stage
+from refdof.stages import StageRecorder
+from tests import flat_scene
 from tests.methods.cascaded import naive
 
 pytestmark = pytest.mark.fast
@@ -23,7 +23,7 @@ F, F_NUMBER = 0.1, 1.4  # the paper's lens [m]
 
 def shot(focus, width=11, height=9, pixels_per_tangent=60.0):
     """The paper's lens behind a small picture, and the same in the twin's terms."""
-    camera = stage.camera(width, height, pixels_per_tangent)
+    camera = flat_scene.camera(width, height, pixels_per_tangent)
     image_distance = F * focus / (focus - F)
     twin = naive.Lens(F, F_NUMBER, focus, image_distance / pixels_per_tangent)
     return camera, ThinLens.from_f_number(F, F_NUMBER, focus), twin
@@ -65,7 +65,7 @@ def test_picture_is_the_naive_twins(focus, cascade, border, boundary):
 def test_layers_are_the_naive_twins(boundary):
     camera, lens, twin = shot(0.8)
     color, depth = buffers(2)
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     blur_buffers(color, depth, camera, lens, Params(boundary=boundary), trace)
     k_focus, parts = naive.layers(color, depth, twin, boundary)
     assert len(parts) == len(trace.stages["layers"]) >= 5
@@ -128,7 +128,7 @@ def test_the_papers_anchors_behind_the_stone_wall():
 
 def paper_shot(focus):
     sensor, rows = 0.024, 1024
-    camera = stage.camera(rows, rows, F * focus / (focus - F) * rows / sensor)
+    camera = flat_scene.camera(rows, rows, F * focus / (focus - F) * rows / sensor)
     return camera, ThinLens.from_f_number(F, F_NUMBER, focus)
 
 
@@ -166,7 +166,7 @@ def test_a_constant_colour_stays(options):
 def test_unblurred_layers_compose_to_alpha_one():
     camera, lens, _ = shot(0.8)
     color, depth = buffers(5)
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     blur_buffers(color, depth, camera, lens, trace=trace)
     left = np.prod(1.0 - trace.stages["layers"][..., 3], axis=0)
     assert left.max() == 0.0  # one layer has weight 1 at every pixel
@@ -304,7 +304,7 @@ def test_the_unit_of_length_changes_no_bit(exponent):
     "lens", [ThinLens(0.5, math.inf), ThinLens(5.0, 0.01), ThinLens(0.5, 1e-6), ThinLens(1e6, 2.0)]
 )
 def test_extreme_lenses_stay_finite(lens):
-    camera = stage.camera(11, 9, 60.0)
+    camera = flat_scene.camera(11, 9, 60.0)
     color, depth = buffers(7)
     for placement in ("filter", "kmeans"):
         found = blur_buffers(color.astype(np.float32), depth, camera, lens, Params(placement=placement))
@@ -313,16 +313,16 @@ def test_extreme_lenses_stay_finite(lens):
 
 
 def test_a_background_is_there_once_and_only_buffers_that_exist_count():
-    camera = stage.camera(12, 8, 12.0)
-    card = stage.rectangle(-0.4, 0.4, -9, 9, 2.0, (0.8, 0.4, 0.2))
-    scene = stage.scene_of([card], camera, ThinLens(0.0, 1.0), (0.1, 0.2, 0.3))
-    trace = Trace(on=True)
+    camera = flat_scene.camera(12, 8, 12.0)
+    card = flat_scene.rectangle(-0.4, 0.4, -9, 9, 2.0, (0.8, 0.4, 0.2))
+    scene = flat_scene.scene_of([card], camera, ThinLens(0.0, 1.0), (0.1, 0.2, 0.3))
+    trace = StageRecorder(on=True)
     cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(), trace)
     coordinate = trace.stages["coordinate"]
     assert len(coordinate) == 2  # the card, and what is behind it
     on_card = coordinate[1, 4] >= 0
     assert on_card.sum() == 4  # 4.8 px wide around x = 6: centres 4.5 to 7.5
-    whole = Trace(on=True)
+    whole = StageRecorder(on=True)
     cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(buffers="all"), whole)
     assert np.array_equal(whole.stages["coordinate"], coordinate)
 

@@ -7,8 +7,8 @@ import pytest
 from scipy import ndimage
 
 from refdof._jit import thread_count, use_threads
+from refdof.methods.cascaded.fast_blurs import box_blur, box_of, pyramid_blur, pyramid_of
 from refdof.methods.cascaded.gaussian import gaussian_blur, gaussian_taps
-from refdof.methods.cascaded.quick_blurs import box_blur, box_of, pyramid_blur, pyramid_of
 
 pytestmark = pytest.mark.fast
 

@@ -5,7 +5,7 @@ import pytest
 
 from refdof._jit import tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds, thin_lens_bounds
-from refdof.raster.filters.nbuffer import n_buffer
+from refdof.raster.filters.n_buffer import n_buffer
 
 pytestmark = pytest.mark.fast
 

@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
-from refdof.optics.lens_pattern import LensPattern
-from refdof.raster.rays.attributes import ATTRIBUTES
-from tests import stage
+from refdof.optics.pixel_samples import LensPattern
+from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 BACKGROUND = (0.25, 0.5, 0.75)
@@ -29,13 +29,15 @@ def stack_of(layers, width):
 
 def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None, pinhole=None, **words):
     height, width = parallax.shape[1:]
-    shot = stage.camera(width, height, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND, light=light), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(width, height, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND, light=light), shot, ThinLens(1.0, 1.0))
     lens = np.array(lens, float).reshape(-1, 2)
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
     stack = new_stack(parallax, extension, complete)
-    return trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, misses="black", **words)
+    return trace_layers(
+        stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, misses="black", **words
+    )
 
 
 def meet(layers, pixel, v, focus, width=4, upright=False, **words):
@@ -202,7 +204,7 @@ def test_attributes_are_shaded_along_the_ray():
     # A mirror that faces the viewer, and a sun to the right and above. The ray that ends at (ax, ay) comes back along
     # ((ax - 2) / P, (2 - ay) / P, 1).
     light = Light((0.6, 0.48, 0.64), sun=(1.0, 1.0, 1.0), sky=(0, 0, 0), ground=(0, 0, 0))
-    values = np.zeros((1, 4, 4, ATTRIBUTES), np.float32)
+    values = np.zeros((1, 4, 4, GBUFFER_CHANNELS), np.float32)
     values[..., 8], values[..., 9:12], values[..., 12] = 1.0, 1.0, 3.0
     image = trace(np.full((1, 4, 4), 2.0), values, (0.125, 0.25), 1.0, light=light).image[..., 0]
     x, y = np.arange(4) + 0.5 - 0.125, np.arange(4) + 0.5 + 0.25  # at u = 0
@@ -213,15 +215,15 @@ def test_attributes_are_shaded_along_the_ray():
 
 def test_sets_of_lens_points_go_by_row_and_column():
     # Two by two sets: (column of the set, row of the set) is the pixel's place modulo 2.
-    shot = stage.camera(3, 3, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(3, 3, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
     points = np.zeros((4, 1, 2))
     points[1, 0, 0] = 1.0  # of pixels at odd columns and even rows only
     pattern = LensPattern(points, np.ones((4, 1)), np.array([[0, 1], [2, 3]], np.int32))
     color = np.zeros((1, 3, 3, 3), np.float32)
     color[0, ..., 0] = np.arange(9).reshape(3, 3)
     traced = trace_layers(
-        new_stack(np.full((1, 3, 3), 2.0), 0.0, True), color, view.surfaces(), view.shot(), 1.0, pattern,
+        new_stack(np.full((1, 3, 3), 2.0), 0.0, True), color, view.surfaces(), view.projection(), 1.0, pattern,
         np.zeros((3, 3, 3), np.float32),
     )  # fmt: skip
     # Through v = 1 at u = 2, one texel to the right.
@@ -229,14 +231,21 @@ def test_sets_of_lens_points_go_by_row_and_column():
 
 
 def test_all_rays_missed_show_the_pinhole():
-    shot = stage.camera(2, 1, 8.0)
-    view = View(stage.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(2, 1, 8.0)
+    view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
     pattern = LensPattern(np.array([[[-4.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     pinhole = np.float32([[[1, 2, 3], [4, 5, 6]]])
     stack = new_stack(np.full((1, 1, 2), 0.25), 0.0, False)
     for misses, wanted in (("renormalise", pinhole), ("pinhole", pinhole), ("black", np.zeros((1, 2, 3)))):
         traced = trace_layers(
-            stack, np.ones((1, 1, 2, 3), np.float32), view.surfaces(), view.shot(), 1.0, pattern, pinhole, misses=misses
+            stack,
+            np.ones((1, 1, 2, 3), np.float32),
+            view.surfaces(),
+            view.projection(),
+            1.0,
+            pattern,
+            pinhole,
+            misses=misses,
         )
         np.testing.assert_array_equal(traced.missed, 1.0)
         np.testing.assert_array_equal(traced.image, wanted)

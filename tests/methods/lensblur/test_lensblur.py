@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
 from refdof.methods.lensblur.method import FOOTPRINTS
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 from refdof.rendering import make_params, render_view
-from tests import stage
+from tests import flat_scene
 from tests.methods.lensblur import naive
 
 pytestmark = pytest.mark.fast
@@ -20,8 +20,8 @@ SIZES = [(7, 5), (1, 1), (1, 6), (9, 1), (8, 6)]
 
 
 def empty_view(width, height):
-    shot = stage.camera(width, height, 10.0)
-    return View(stage.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
+    shot = flat_scene.camera(width, height, 10.0)
+    return View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
 
 
 def random_layers(random, count, width, height, nearest):
@@ -55,7 +55,7 @@ def picture(seed, size, dtype=np.float64, twin=True, **words):
     complete = bool(random.integers(2))
     view = empty_view(width, height)
     stack = new_stack(parallax, extension, complete, int(random.integers(1, 4)))
-    ours = trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, **words)
+    ours = trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, **words)
 
     if not twin:
         return (ours,)
@@ -110,7 +110,7 @@ def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
     view = empty_view(2, 1)
     for iterations in (0, 3):
         traced = trace_layers(
-            new_stack(parallax, 1.0, True), color, view.surfaces(), view.shot(), 10.2, pattern,
+            new_stack(parallax, 1.0, True), color, view.surfaces(), view.projection(), 10.2, pattern,
             np.zeros((1, 2, 3), dtype=np.float32), iterations=iterations,
         )  # fmt: skip
         np.testing.assert_array_equal(traced.image[0, 0], [1.0, 2.0, 3.0])
@@ -118,12 +118,12 @@ def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
 
 def cards(*parts, width=24, height=16, radius=2.0, focus=2.0, background=BACKGROUND):
     """A view of cards; a card at depth d has 10 radius |1 / focus - 1 / d| px of blur."""
-    shot = stage.camera(width, height, 10.0)
-    return View(stage.scene_of(parts, shot, background=background), shot, ThinLens(radius, focus))
+    shot = flat_scene.camera(width, height, 10.0)
+    return View(flat_scene.scene_of(parts, shot, background=background), shot, ThinLens(radius, focus))
 
 
 def wall(depth, color=(1.0, 1.0, 1.0), left=-99.0):
-    return stage.rectangle(left, 99.0, -99.0, 99.0, depth, color)
+    return flat_scene.rectangle(left, 99.0, -99.0, 99.0, depth, color)
 
 
 def test_missed_rays_count_as_asked():
@@ -141,7 +141,7 @@ def test_missed_rays_count_as_asked():
 def test_a_full_stack_hides_what_may_be_behind_it():
     # Behind the left card's edge lies the wall, which one layer does not hold: rays past the edge are missed there, and
     # no background leaks in.
-    parts = [stage.rectangle(-99.0, 0.0, -99.0, 99.0, 1.5, (0.0, 0.0, 0.0)), wall(3.0, (0.0, 0.0, 0.0))]
+    parts = [flat_scene.rectangle(-99.0, 0.0, -99.0, 99.0, 1.5, (0.0, 0.0, 0.0)), wall(3.0, (0.0, 0.0, 0.0))]
     one, two = (render_view("lensblur", cards(*parts), True, layers=k, samples=36) for k in (1, 2))
     assert one.image.max() == two.image.max() == 0.0
     inner = np.s_[4:12, 8:12]
@@ -151,7 +151,7 @@ def test_a_full_stack_hides_what_may_be_behind_it():
 
 def test_linear_colours_make_a_blurred_ramp_exact():
     # A ramp in one plane: its mean over the lens is its value at the mean lens point. 10 * 2 * (1/2 - 1/4) = 5 px.
-    ramp = stage.strips(np.array([-99.0, 99.0]), np.array([4.0, 4.0]), -99.0, 99.0, np.array([0.0, 1.0]))
+    ramp = flat_scene.strips(np.array([-99.0, 99.0]), np.array([4.0, 4.0]), -99.0, 99.0, np.array([0.0, 1.0]))
     view = cards(ramp, background=(0, 0, 0))
     linear, nearest = (render_view("lensblur", view, True, filter=f) for f in ("linear", "nearest"))
     mean = linear.stages["points"][0].mean(axis=0)
@@ -166,7 +166,7 @@ def test_a_slanted_plane_has_no_slits():
     # 1 / depth = 0.62 + 0.45 t at tangent t falls by 0.9 px of parallax a pixel; 1 would cut the lens's rim.
     tangent = np.array([-1.3, 1.3])
     depth = 1.0 / (0.62 + 0.45 * tangent)
-    view = cards(stage.strips(tangent * depth, depth, -999.0, 999.0, np.ones(2)), background=(100.0, 100.0, 100.0))
+    view = cards(flat_scene.strips(tangent * depth, depth, -999.0, 999.0, np.ones(2)), background=(100.0, 100.0, 100.0))
     assert render_view("lensblur", view, samples=36).image.max() <= 1.0 + 1e-6
     assert render_view("lensblur", view, samples=36, peel="plain").image.max() > 1.1  # where no sample is extended
 
@@ -175,8 +175,8 @@ def test_a_slanted_plane_has_no_slits():
 @pytest.mark.parametrize("focus", [1e-30, 2.0, np.inf])
 @pytest.mark.parametrize("unit", [1e-20, 1e20])
 def test_extreme_lenses_and_units_stay_inside_the_colours(radius, focus, unit):
-    near = stage.rectangle(-9.0 * unit, 2.0 * unit, -9.0 * unit, 9.0 * unit, 1.5 * unit, (0.2, 0.3, 0.4))
-    far = stage.rectangle(-99.0 * unit, 99.0 * unit, -99.0 * unit, 99.0 * unit, 4.0 * unit, (0.8, 0.7, 0.6))
+    near = flat_scene.rectangle(-9.0 * unit, 2.0 * unit, -9.0 * unit, 9.0 * unit, 1.5 * unit, (0.2, 0.3, 0.4))
+    far = flat_scene.rectangle(-99.0 * unit, 99.0 * unit, -99.0 * unit, 99.0 * unit, 4.0 * unit, (0.8, 0.7, 0.6))
     view = cards(near, far, width=5, height=4, radius=radius, focus=focus)
     image = render_view("lensblur", view, samples=5).image
     assert image.min() >= 0.2 - 1e-6

@@ -9,7 +9,7 @@ from refdof.metrics import psnr
 from refdof.raster.rays.umbra import survivors, worst_case_layers
 from refdof.rendering import render_view
 from tests import cards as polygons
-from tests import stage
+from tests import flat_scene
 from tests.closed_forms import circle_of_confusion, half_disc
 
 BACKGROUND = (0.25, 0.5, 0.75)
@@ -17,12 +17,12 @@ BACKGROUND = (0.25, 0.5, 0.75)
 
 def cards(*parts, width=24, height=16, radius=2.0, focus=2.0, background=BACKGROUND):
     """A view of cards; a card at depth d has 10 radius |1 / focus - 1 / d| px of blur."""
-    shot = stage.camera(width, height, 10.0)
-    return View(stage.scene_of(parts, shot, background=background), shot, ThinLens(radius, focus))
+    shot = flat_scene.camera(width, height, 10.0)
+    return View(flat_scene.scene_of(parts, shot, background=background), shot, ThinLens(radius, focus))
 
 
 def wall(depth, color=(1.0, 1.0, 1.0), left=-99.0):
-    return stage.rectangle(left, 99.0, -99.0, 99.0, depth, color)
+    return flat_scene.rectangle(left, 99.0, -99.0, 99.0, depth, color)
 
 
 @pytest.mark.parametrize("depth", [1.5, 4.0])
@@ -38,8 +38,8 @@ def test_an_edge_before_the_background(depth):
 def test_any_power_of_two_scales_the_world():
     def pictured(s):
         parts = [
-            stage.rectangle(-99.0 * s, 99.0 * s, -99.0 * s, 99.0 * s, 3.0 * s, (0.2, 0.4, 0.6)),
-            stage.rectangle(0.02 * s, 99.0 * s, -99.0 * s, 99.0 * s, 1.0 * s),
+            flat_scene.rectangle(-99.0 * s, 99.0 * s, -99.0 * s, 99.0 * s, 3.0 * s, (0.2, 0.4, 0.6)),
+            flat_scene.rectangle(0.02 * s, 99.0 * s, -99.0 * s, 99.0 * s, 1.0 * s),
         ]
         return render_view("lensblur", cards(*parts, radius=2.0 * s, focus=2.0 * s)).image
 
@@ -72,8 +72,8 @@ def test_the_papers_camera_needs_ten_layers_up_to_131_m(far, layers):
     shot, lens = refdof.Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=30.0, size=(1, 600)), ThinLens(0.009, 2.0)
     step = 2.0 * np.tan(np.radians(15.0)) / 600 / 0.009
     inverse = np.concatenate([1.0 - step * np.arange(11) * 1.0001, np.linspace(0.9999, 0.1, 100)])
-    parts = [stage.rectangle(-999, 999, -999, 999, 1.0 / s) for s in inverse if 1.0 / s < far]
-    view = View(stage.scene_of(parts, shot, lens), shot, lens)
+    parts = [flat_scene.rectangle(-999, 999, -999, 999, 1.0 / s) for s in inverse if 1.0 / s < far]
+    view = View(flat_scene.scene_of(parts, shot, lens), shot, lens)
     assert len(view.umbra_layers().depth) == layers == worst_case_layers(shot, lens, 1.0, far)
 
 
@@ -84,16 +84,16 @@ def room(seed, material=None):
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     faces = [[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)]
     parts = [
-        Part(np.array(box) * [12.0, 9.0, 14.0] - [6.0, 4.5, 13.0], faces, material or stage.paint((0.5, 0.5, 0.5)))
+        Part(np.array(box) * [12.0, 9.0, 14.0] - [6.0, 4.5, 13.0], faces, material or flat_scene.paint((0.5, 0.5, 0.5)))
     ]
     for _ in range(12):
         size, place = random.uniform(0.1, 1.5, 3), random.uniform([-3.0, -2.5, -11.0], [2.0, 1.5, -3.0])
         turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
         parts.append(
-            Part((np.array(box) * size) @ turn + place, faces, material or stage.paint(tuple(random.random(3))))
+            Part((np.array(box) * size) @ turn + place, faces, material or flat_scene.paint(tuple(random.random(3))))
         )
-    shot, lens = stage.camera(64, 48, 50.0), ThinLens(0.2, 5.0)
-    return View(stage.scene_of(parts, shot, lens, (1000.0, 1000.0, 1000.0)), shot, lens)
+    shot, lens = flat_scene.camera(64, 48, 50.0), ThinLens(0.2, 5.0)
+    return View(flat_scene.scene_of(parts, shot, lens, (1000.0, 1000.0, 1000.0)), shot, lens)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -123,10 +123,10 @@ def test_deferred_shading_of_matt_surfaces_changes_nothing():
 
 
 def test_deferred_shading_sees_highlights_from_every_lens_point():
-    ball = stage.rectangle(-99, 99, -99, 99, 6.0)
+    ball = flat_scene.rectangle(-99, 99, -99, 99, 6.0)
     shiny = Material("phong", base_color=(0.1, 0.1, 0.1), specular=(1.0, 1.0, 1.0), shininess=30.0)
-    shot, lens = stage.camera(60, 40, 40.0), ThinLens(1.5, 5.0)
-    scene = stage.scene_of([Part(ball.vertices, ball.faces, shiny)], shot, lens)
+    shot, lens = flat_scene.camera(60, 40, 40.0), ThinLens(1.5, 5.0)
+    scene = flat_scene.scene_of([Part(ball.vertices, ball.faces, shiny)], shot, lens)
     view, truth = View(scene, shot, lens), refdof.reference(scene, shot, lens, samples=256).image
     early, late = (render_view("lensblur", view, deferred=d).image[12:-12, 12:-12] for d in (False, True))
     error = [np.abs(image - truth[12:-12, 12:-12]).mean() for image in (early, late)]

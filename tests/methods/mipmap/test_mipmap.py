@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
 from refdof.methods.mipmap import Params, blur, texture_reads
-from refdof.methods.mipmap.anisotropic import foreground_blur, halve
-from refdof.raster.filters.mipmap import gaussian_mipmaps
+from refdof.methods.mipmap.anisotropic import downsample, foreground_blur
+from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.trace import Trace
-from tests import stage
+from refdof.stages import StageRecorder
+from tests import flat_scene
 from tests.methods.mipmap import naive
 
 pytestmark = pytest.mark.fast
@@ -33,7 +33,7 @@ def images(seed, height, width, largest=9.0):
 
 
 def stages_of(color, coc, params):
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     return mipmap.method._blur(color, coc, params, trace), trace.stages
 
 
@@ -135,7 +135,7 @@ def coarse_red(circles, delta):
         fine, sizes = turn(color), turn(circles)
         half = fine.shape[0] // 2, fine.shape[1] // 2
         red, coarse = np.empty((*half, 4)), np.empty((*half, 2))
-        halve(fine, sizes, delta, red, coarse)
+        downsample(fine, sizes, delta, red, coarse)
         out.append(turn(red)[0, :, 0])
     np.testing.assert_allclose(out[0], out[1], rtol=1e-14)
     return out[0]
@@ -271,9 +271,11 @@ def test_extreme_circles_stay_finite(largest):
 
 
 def test_rendering_records_its_stages():
-    shot, lens = stage.camera(24, 18, 24.0), ThinLens(0.5, 4.0)
-    view = View(stage.scene_of([stage.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
-    trace = Trace(on=True)
+    shot, lens = flat_scene.camera(24, 18, 24.0), ThinLens(0.5, 4.0)
+    view = View(
+        flat_scene.scene_of([flat_scene.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens
+    )
+    trace = StageRecorder(on=True)
     image = mipmap.render(view, Params(), trace)
     np.testing.assert_allclose(trace.stages["degree"], 3.0, rtol=0, atol=1e-6)  # -3 px on the card, 3 px behind it
     names = ["coc", "degree", "neighbours", "smoothed", "level", "color 1", "color 2"]

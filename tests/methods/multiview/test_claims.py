@@ -16,9 +16,9 @@ from refdof import ThinLens, View
 from refdof.methods.multiview import Params, cone_width
 from refdof.methods.multiview.gather import gather
 from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.lens_pattern import lens_pattern
+from refdof.optics.pixel_samples import lens_pattern
 from refdof.rendering import render_view
-from tests import stage
+from tests import flat_scene
 from tests.cards import lens_shares
 
 SIZE, SPACING = (320, 240), 1.2
@@ -59,16 +59,17 @@ def score(name, image, wanted=None):
 
 def test_cards_in_layers_of_their_own_are_exact():
     size, p, focus, radius = (40, 30), 40.0, 2.0, 0.35
-    shot = stage.camera(*size, p)
+    shot = flat_scene.camera(*size, p)
     coc = np.array([-5.0, -2.0, 1.0, 4.0])
     depth = 1.0 / (1.0 / focus - coc / (p * radius))
     # Edges on borders of pixels: texels then are the cards themselves. [px from the middle]
     cards = np.array([(-9, -1, -8, 3), (-2, 7, -6, 9), (-14, 5, -11, 1), (-20, 20, -15, 15)])
     colors = np.random.default_rng(3).random((5, 3))
     parts = [
-        stage.rectangle(*(np.array(c) * d / p), d, tuple(rgb)) for c, d, rgb in zip(cards, depth, colors, strict=False)
+        flat_scene.rectangle(*(np.array(c) * d / p), d, tuple(rgb))
+        for c, d, rgb in zip(cards, depth, colors, strict=False)
     ]
-    scene = stage.scene_of(parts, shot, ThinLens(radius, focus), tuple(colors[4]))
+    scene = flat_scene.scene_of(parts, shot, ThinLens(radius, focus), tuple(colors[4]))
     words = {"layers": 4, "samples": 64, "cones": "none", "pattern": "sobol", "seed": 3}
     stages = refdof.render("multiview", scene, stages=True, **words).stages
     assert len(stages["layer_number"]) == 4
@@ -91,7 +92,7 @@ def test_cards_in_layers_of_their_own_are_exact():
     # So what is left is the noise of 64 points: against the exact areas, 64^-0.75 of the contrast at an edge (1 sigma).
     # By default walls count as surface, too, but these cards are flat and far apart.
     outline = [np.array([(a, c), (b, c), (b, e), (a, e)]) * d / p for (a, b, c, e), d in zip(cards, depth, strict=True)]
-    share = lens_shares(outline, depth, stage.tangents(*size, p), radius, focus)
+    share = lens_shares(outline, depth, flat_scene.tangents(*size, p), radius, focus)
     for shown in (exact, image):
         error = (shown - share @ colors)[inner]
         assert np.sqrt((error**2).mean()) < 64**-0.75
@@ -228,7 +229,7 @@ def picture_from_exact_layers(name):
     heights = np.stack(heights)
     low, high = heights.min(axis=(1, 2)), np.where(heights < np.inf, heights, -np.inf).max(axis=(1, 2))
     fields = fields_of(heights, low, high, 1.0)
-    return gather(fields, np.stack(colors), pattern, search, own.shot(), own.surfaces(), own.scene.background)
+    return gather(fields, np.stack(colors), pattern, search, own.projection(), own.surfaces(), own.scene.background)
 
 
 @pytest.mark.parametrize("name", ["fence", "branches"])

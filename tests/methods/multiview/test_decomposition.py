@@ -9,7 +9,7 @@ import pytest
 
 from refdof import Part, ThinLens, View
 from refdof.methods.multiview.decomposition import Decomposition, copies, decompose, layer_bounds
-from tests import stage
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 LENS = ThinLens(1.0, np.inf)
@@ -18,13 +18,13 @@ LENS = ThinLens(1.0, np.inf)
 def layers_of(circles, **words):
     """{layer: circles of the cards in it}, front to back; an empty layer would be a key with nothing."""
     width = len(circles)
-    shot = stage.camera(width, 2, 12.0)
+    shot = flat_scene.camera(width, 2, 12.0)
     cards = []
     for k, c in enumerate(circles):
         depth = 12.0 / -c
         left, right = ((k + side - width / 2) * depth / 12.0 for side in (0, 1))
-        cards.append(stage.rectangle(left, right, -depth, depth, depth))
-    view = View(stage.scene_of(cards, shot, LENS), shot, LENS)
+        cards.append(flat_scene.rectangle(left, right, -depth, depth, depth))
+    view = View(flat_scene.scene_of(cards, shot, LENS), shot, LENS)
     layers, _ = decompose(*view.triangles(), shot, LENS, **words)
     found = {}
     for number, coc, triangle, near, far in zip(
@@ -67,9 +67,9 @@ def test_the_overlap_of_counted_layers_is_a_share_of_their_spacing():
 
 def test_of_equally_near_fragments_the_one_from_the_nearest_layer_is_kept():
     # A card at depth 2, and a slanted triangle that meets it on the axis, drawn for the layer of its corner at depth 6.
-    shot = stage.camera(1, 1, 12.0)
-    slanted = Part([[-1, -3, -1], [-1, 3, -1], [4, 0, -6]], [[0, 1, 2]], stage.paint((1, 1, 1)))
-    view = View(stage.scene_of([slanted, stage.rectangle(-1, 1, -1, 1, 2.0)], shot, LENS), shot, LENS)
+    shot = flat_scene.camera(1, 1, 12.0)
+    slanted = Part([[-1, -3, -1], [-1, 3, -1], [4, 0, -6]], [[0, 1, 2]], flat_scene.paint((1, 1, 1)))
+    view = View(flat_scene.scene_of([slanted, flat_scene.rectangle(-1, 1, -1, 1, 2.0)], shot, LENS), shot, LENS)
     layers, sources = decompose(*view.triangles(), shot, LENS, 1.0, overlap=0.0)
     np.testing.assert_array_equal(sources.coc[:, 0, 0], [-6.0, -6.0])
     assert layers.coc.tolist() == [[[-6.0]]]

@@ -9,7 +9,7 @@ import pytest
 
 from refdof.methods.multiview.gather import culled_layers, trace_hits
 from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.lens_pattern import LensPattern
+from refdof.optics.pixel_samples import LensPattern
 
 pytestmark = pytest.mark.fast
 SEARCH = Search(middle=False, steps=3, bisections=5, wall=0.0, march=False, culling=False, discard=False, holes=False)

@@ -11,8 +11,8 @@ from refdof.methods.multiview.decomposition import decompose, layer_bounds
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.methods.multiview.method import _texel_bytes
-from refdof.optics.lens_pattern import LensPattern, lens_pattern
-from tests import stage
+from refdof.optics.pixel_samples import LensPattern, lens_pattern
+from tests import flat_scene
 from tests.methods.multiview import naive
 
 pytestmark = pytest.mark.fast
@@ -27,9 +27,9 @@ def random_scene(seed, count=12):
     depth = random.uniform(0.6, 4.0, (count, 1)) * random.uniform(0.8, 1.25, (count, 3))
     tangent = random.uniform(-0.5, 0.5, (count, 1, 2)) + random.uniform(-0.8, 0.8, (count, 3, 2))
     corners = np.concatenate([tangent * depth[..., None], -depth[..., None]], axis=-1)
-    parts = [Part(c, [[0, 1, 2]], stage.paint(tuple(random.random(3)))) for c in corners]
-    shot, lens = stage.camera(*SIZE, P), ThinLens(0.35, 1.3)
-    return View(stage.scene_of(parts, shot, lens, (0.1, 0.2, 0.3)), shot, lens), corners
+    parts = [Part(c, [[0, 1, 2]], flat_scene.paint(tuple(random.random(3)))) for c in corners]
+    shot, lens = flat_scene.camera(*SIZE, P), ThinLens(0.35, 1.3)
+    return View(flat_scene.scene_of(parts, shot, lens, (0.1, 0.2, 0.3)), shot, lens), corners
 
 
 def random_fields(seed, count=4, width=13, height=11, smooth=False, full=False, dtype=np.float32):
@@ -74,7 +74,7 @@ def twin_hits(coc, near, far, points, wall, discard):
 def test_layers_match_the_twin(seed, overlap):
     view, corners = random_scene(seed)
     layers, _ = decompose(*view.triangles(), view.camera, view.lens, 1.5, overlap=overlap)
-    depth = naive.fragments(corners, *stage.tangents(*SIZE, P))
+    depth = naive.fragments(corners, *flat_scene.tangents(*SIZE, P))
 
     def coc_of(d):
         return P * 0.35 * (1 / 1.3 - 1 / d)
@@ -103,18 +103,18 @@ def test_bounds_are_evenly_spaced_in_circle_of_confusion_by_hand():
 
 @pytest.mark.parametrize("depth", [0.7, 1.3, 5.0])
 def test_a_scene_with_one_depth_gets_one_layer(depth):
-    shot, thin = stage.camera(*SIZE, P), ThinLens(0.5, 1.3)
-    view = View(stage.scene_of([stage.rectangle(-9, 9, -9, 9, depth)], shot, thin), shot, thin)
+    shot, thin = flat_scene.camera(*SIZE, P), ThinLens(0.5, 1.3)
+    view = View(flat_scene.scene_of([flat_scene.rectangle(-9, 9, -9, 9, depth)], shot, thin), shot, thin)
     layers, _ = decompose(*view.triangles(), shot, thin, 0.01)
     assert len(layers.bounds) == 2
     assert np.isfinite(layers.coc).all()
 
 
 def test_a_fragment_on_a_bound_belongs_to_the_layer_behind_it():
-    shot, thin = stage.camera(*SIZE, 8.0), ThinLens(1.0, 1.0)
+    shot, thin = flat_scene.camera(*SIZE, 8.0), ThinLens(1.0, 1.0)
     # Circles of confusion 8 (1 - 1 / d): -8, -4 and 4, exactly.
-    cards = [stage.rectangle(-9, 9, -9, 9, d) for d in (0.5, 2 / 3, 2.0)]
-    view = View(stage.scene_of(cards, shot, thin), shot, thin)
+    cards = [flat_scene.rectangle(-9, 9, -9, 9, d) for d in (0.5, 2 / 3, 2.0)]
+    view = View(flat_scene.scene_of(cards, shot, thin), shot, thin)
     layers, _ = decompose(*view.triangles(), shot, thin, 4.0, overlap=0.0)
     np.testing.assert_array_equal(layers.bounds, np.float32([-8, -4, 0, 4]))
     assert layers.layer.tolist() == [0, 1, 2]
@@ -202,9 +202,9 @@ def test_rays_far_outside_the_image_see_its_border(largest, march):
 @pytest.mark.parametrize("radius", [1e15, 1e38, 1e40, 1e300])
 @pytest.mark.parametrize("layers", [1, 2])
 def test_circles_of_confusion_beyond_float32_are_the_largest_that_it_holds(radius, layers):
-    shot = stage.camera(4, 3, 4.0)
-    cards = [stage.rectangle(-99, 99, -99, 99, depth, (depth, 0, 0)) for depth in (2.0, 3.0)]
-    scene = stage.scene_of(cards, shot, background=(0, 1, 0))
+    shot = flat_scene.camera(4, 3, 4.0)
+    cards = [flat_scene.rectangle(-99, 99, -99, 99, depth, (depth, 0, 0)) for depth in (2.0, 3.0)]
+    scene = flat_scene.scene_of(cards, shot, background=(0, 1, 0))
     words = {"samples": 4, "layers": layers, "offscreen": "clamp", "stages": True}
     done = render("multiview", scene, shot, ThinLens(radius, 1.0), **words)
     assert np.isfinite(done.stages["layer_coc"]).all()
@@ -277,7 +277,7 @@ def test_mean_over_the_lens_matches_the_twin():
     background = (0.25, 0.5, 0.75)
     search = SEARCH._replace(march=True)
     image = gather(
-        fields_of(coc, near, far, 1.0), color, one_set(points), search, view.shot(), view.surfaces(), background
+        fields_of(coc, near, far, 1.0), color, one_set(points), search, view.projection(), view.surfaces(), background
     )
     wanted = naive.mean_over_lens(coc, near, far, color, background, points, 0.5, True)
     alone = np.isnan(wanted[..., 0])
@@ -300,12 +300,12 @@ def test_each_lens_ray_shades_along_its_own_direction():
     light = Light((0, 0, 1), sun=(0, 0, 0), sky=(0, 0, 0), ground=(0, 0, 0), environment=environment)
     corners = np.array([[-9, -9, -2.0], [9, -9, -2.0], [9, 9, -2.0], [-9, 9, -2.0]])
     mirror = Part(corners, [[0, 1, 2], [0, 2, 3]], Material("phong", (0, 0, 0), specular=(1, 1, 1)))
-    shot, thin = stage.camera(6, 4, 6.0), ThinLens(0.5, 1.5, Aperture.image(np.array([[1.0, 0.0], [0.0, 0.0]])))
-    scene = stage.scene_of([mirror], shot, thin, light=light)
+    shot, thin = flat_scene.camera(6, 4, 6.0), ThinLens(0.5, 1.5, Aperture.image(np.array([[1.0, 0.0], [0.0, 0.0]])))
+    scene = flat_scene.scene_of([mirror], shot, thin, light=light)
     exact = reference(scene, samples=256).image
     words = {"offscreen": "clamp", "view_dependent": True}
     image = render("multiview", scene, samples=256, jitter="none", pattern="sobol", **words).image
-    # About 64 of 256 points meet the opening, over which the environment varies by less than 1: 64^-0.75.
+    # About 64 of 256 points meet the aperture, over which the environment varies by less than 1: 64^-0.75.
     np.testing.assert_allclose(image, exact, rtol=0, atol=0.05)
 
 
@@ -317,8 +317,8 @@ def test_what_lies_beyond_the_far_plane_is_empty():
 
 
 def test_without_surfaces_there_are_no_layers():
-    shot = stage.camera(*SIZE, P)
-    done = render("multiview", stage.scene_of([], shot, background=(0.5, 0.25, 1)), shot, stages=True, samples=1)
+    shot = flat_scene.camera(*SIZE, P)
+    done = render("multiview", flat_scene.scene_of([], shot, background=(0.5, 0.25, 1)), shot, stages=True, samples=1)
     assert done.stages["bounds"].shape == (1,)
     np.testing.assert_array_equal(done.image, np.broadcast_to(np.float32([0.5, 0.25, 1]), done.image.shape))
 
@@ -437,10 +437,10 @@ def test_more_layers_than_memory_allows():
 
 
 def test_near_and_far_cut_the_scene():
-    shot = stage.camera(*SIZE, P)
+    shot = flat_scene.camera(*SIZE, P)
     colors = np.eye(3)
-    cards = [stage.rectangle(-9, 9, -9, 9, d, tuple(c)) for d, c in zip((1.0, 2.0, 3.0), colors, strict=True)]
-    scene = stage.scene_of(cards, shot, ThinLens(0.1, 1.3), (0.5, 0.5, 0.5))
+    cards = [flat_scene.rectangle(-9, 9, -9, 9, d, tuple(c)) for d, c in zip((1.0, 2.0, 3.0), colors, strict=True)]
+    scene = flat_scene.scene_of(cards, shot, ThinLens(0.1, 1.3), (0.5, 0.5, 0.5))
     for words, wanted in (({}, colors[0]), ({"near": 1.5}, colors[1]), ({"near": 2.5, "far": 2.9}, None)):
         if wanted is None:
             with pytest.raises(InputError, match="near, far"):
@@ -453,7 +453,7 @@ def test_near_and_far_cut_the_scene():
 def test_attributes_shade_as_colours_do_when_nothing_depends_on_the_view():
     view, corners = random_scene(12)
     parts = [Part(c, [[0, 1, 2]], Material("lambert", (0.4, 0.6, 0.8))) for c in corners]
-    scene = stage.scene_of(parts, view.camera, view.lens)
+    scene = flat_scene.scene_of(parts, view.camera, view.lens)
     plain = render("multiview", scene, samples=8, cones="none").image
     # Attributes are rounded to float32, and a few operations follow.
     np.testing.assert_allclose(

@@ -11,8 +11,8 @@ from refdof import InputError, ThinLens, View
 from refdof.methods import scatter
 from refdof.methods.scatter import Params, blur, texture_reads
 from refdof.methods.scatter.disc import covered, inner_count, outer_count
-from refdof.trace import Trace
-from tests import stage
+from refdof.stages import StageRecorder
+from tests import flat_scene
 from tests.methods import naive_baselines
 
 pytestmark = pytest.mark.fast
@@ -61,7 +61,7 @@ def test_an_interior_point_keeps_its_energy(coc):
 
 @pytest.mark.parametrize("radius", [3.3, 0.5, np.nextafter(0.5, 0.0), np.nextafter(0.5, 1.0), 0.2])
 def test_shares_of_interior_pixels_add_up_to_one(radius):
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     scatter.method._blur(np.ones((24, 24, 3)), np.ones((24, 24)), np.full((24, 24), radius), Params(), trace)
     np.testing.assert_allclose(trace.stages["shares"][8:-8, 8:-8], 1.0, rtol=1e-13)
 
@@ -132,9 +132,9 @@ def test_extreme_circles_stay_finite(circle):
 
 
 def test_rendering_records_its_stages():
-    shot, lens = stage.camera(12, 9, 24.0), ThinLens(0.5, 4.0)
-    view = View(stage.scene_of([stage.rectangle(-1, 1, -1, 1, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
-    trace = Trace(on=True)
+    shot, lens = flat_scene.camera(12, 9, 24.0), ThinLens(0.5, 4.0)
+    view = View(flat_scene.scene_of([flat_scene.rectangle(-1, 1, -1, 1, 2.0, (0.8, 0.4, 0.2))], shot, lens), shot, lens)
+    trace = StageRecorder(on=True)
     image = scatter.render(view, Params(), trace)
     assert list(trace.stages) == ["coc", "shares"]
     np.testing.assert_allclose(np.abs(trace.stages["coc"]), 3.0, rtol=0, atol=1e-6)

@@ -11,8 +11,8 @@ import refdof
 from refdof import InputError, ThinLens, View
 from refdof.methods import singlepass
 from refdof.methods.singlepass import Params, blur, spiral
-from refdof.trace import Trace
-from tests import stage
+from refdof.stages import StageRecorder
+from tests import flat_scene
 from tests.methods.singlepass import naive
 
 pytestmark = pytest.mark.fast
@@ -241,11 +241,11 @@ def test_a_bad_filter_is_named():
 
 
 def test_rendering_blurs_the_pinhole_and_shows_its_stages():
-    shot = stage.camera(24, 18, 24.0)
-    card = stage.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))
+    shot = flat_scene.camera(24, 18, 24.0)
+    card = flat_scene.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))
     lens = ThinLens(0.5, 4.0)  # 24 * 0.5 * (1/4 - 1/2) = -3 px on the card, 24 * 0.5 / 4 = 3 px behind it
-    view = View(stage.scene_of([card], shot, lens, (0.1, 0.2, 0.3)), shot, lens)
-    trace = Trace(on=True)
+    view = View(flat_scene.scene_of([card], shot, lens, (0.1, 0.2, 0.3)), shot, lens)
+    trace = StageRecorder(on=True)
     image = singlepass.render(view, Params(), trace)
     on_card = np.zeros((18, 24), dtype=bool)
     on_card[3:15, 6:18] = True  # 24 px per unit at depth 1: the card spans 12 px in the middle

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from refdof import Camera, InputError
 from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
 from refdof.raster.gpu.depth_peeling import peel_raster
-from refdof.raster.gpu.triangles import rasterize
+from refdof.raster.gpu.rasterize import rasterize
 
 pytestmark = pytest.mark.fast
 

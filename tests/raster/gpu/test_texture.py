@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof._check import InputError
-from refdof.raster.filters.mipmap import box_mipmaps, gaussian_mipmaps, generate_mipmaps
-from refdof.raster.gpu.filters import fused_multiply_add
+from refdof.raster.filters.mip_chain import box_mipmaps, gaussian_mipmaps, generate_mipmaps
 from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, fetch, level_of_detail, trilinear
+from refdof.raster.gpu.texture_sampling import fused_multiply_add
 from tests.raster.gpu import naive_texture as naive
 
 pytestmark = pytest.mark.fast
@@ -160,16 +160,16 @@ def test_odd_sizes_by_hand():
     assert box_mipmaps(image)[1].ravel().tolist() == [0.5, 6.5]
 
 
-@pytest.mark.parametrize("std", [0.3, 1.0, 4.0])
-def test_gaussian_of_one_bright_texel(std):
+@pytest.mark.parametrize("deviation", [0.3, 1.0, 4.0])
+def test_gaussian_of_one_bright_texel(deviation):
     image = np.zeros((16, 16, 1))
     image[7, 8] = 1.0
-    e = math.exp(-0.5 / std**2)
+    e = math.exp(-0.5 / deviation**2)
     # each read is a 2 x 2 mean: per axis e, 1 + e, 1 + e, e over 2 (1 + 2 e); coarse texel k covers 2 k - 1 .. 2 k + 2
     inner, outer = (1 + e) / (2 + 4 * e), e / (2 + 4 * e)
     wanted = np.zeros((8, 8))
     wanted[np.ix_([3, 4], [3, 4])] = np.outer([inner, outer], [outer, inner])
-    assert np.allclose(gaussian_mipmaps(image, std=std)[1][..., 0], wanted, rtol=1e-14, atol=0)
+    assert np.allclose(gaussian_mipmaps(image, deviation=deviation)[1][..., 0], wanted, rtol=1e-14, atol=0)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -198,7 +198,7 @@ def test_gaussian_keeps_a_constant(dtype):
         (lambda: bilinear(noise((2, 2)), 0, [[0], [1, 2]]), "v: got a list; allowed are numbers"),
         (lambda: level_of_detail(0.0), "squared"),
         (lambda: level_of_detail([1.0, 2.0], bias=[0.0] * 3), "squared, bias: got shapes"),
-        (lambda: gaussian_mipmaps(noise((2, 2)), std=0), "std"),
+        (lambda: gaussian_mipmaps(noise((2, 2)), deviation=0), "deviation"),
         (lambda: box_mipmaps(np.ones((2, 2, 1), dtype=np.uint8)), "image: got uint8"),
     ],
 )

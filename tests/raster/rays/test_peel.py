@@ -5,9 +5,9 @@ import pytest
 
 from refdof import Part, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.raster.rays.peel import _insert
+from refdof.raster.rays.exact_layers import _insert
 from refdof.raster.rays.umbra import umbra_step
-from tests import stage
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 
@@ -39,8 +39,8 @@ def test_a_hit_reported_twice_counts_once():
 
 
 def view_of(parts, lens, size=(3, 3), pixels_per_tangent=4.0):
-    shot = stage.camera(*size, pixels_per_tangent)
-    return View(stage.scene_of(parts, shot, lens), shot, lens)
+    shot = flat_scene.camera(*size, pixels_per_tangent)
+    return View(flat_scene.scene_of(parts, shot, lens), shot, lens)
 
 
 def depths(view, *arguments):
@@ -52,13 +52,13 @@ def depths(view, *arguments):
 
 def card(depth):
     """A triangle around the axis, with corners that are no corners of other cards."""
-    return Part([[-8, -8, -depth], [8, -8, -depth], [0, 16, -depth]], [[0, 1, 2]], stage.paint((1, 1, 1)))
+    return Part([[-8, -8, -depth], [8, -8, -depth], [0, 16, -depth]], [[0, 1, 2]], flat_scene.paint((1, 1, 1)))
 
 
 def test_the_very_end_of_an_umbra_is_hidden():
     # A step of 1 / (P E) = 1/2 of inverse depth: 1 hides all up to 2, that included.
     lens = ThinLens(0.5, 2.0)
-    assert umbra_step(stage.camera(2, 2, 4.0), lens) == 0.5
+    assert umbra_step(flat_scene.camera(2, 2, 4.0), lens) == 0.5
     assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens, (2, 2))) == [1.0, 2.0, 4.0]
     assert depths(view_of([card(d) for d in (1.0, 2.0, 4.0)], lens, (2, 2)), None, 2) == [1.0, 4.0]
     # A wide lens, 1 / 64: what hides little still hides that.
@@ -75,7 +75,7 @@ def test_depths_come_in_the_units_of_the_scene():
 
 
 def test_what_lies_behind_the_eye_is_not_met():
-    behind = Part([[-8, -8, 2], [8, -8, 2], [0, 16, 2]], [[0, 1, 2]], stage.paint((1, 1, 1)))
+    behind = Part([[-8, -8, 2], [8, -8, 2], [0, 16, 2]], [[0, 1, 2]], flat_scene.paint((1, 1, 1)))
     assert depths(view_of([behind, card(3.0)], ThinLens(1.0, 2.0))) == [3.0]
 
 
@@ -88,7 +88,7 @@ def fan(depth, count, turn=1):
     angle = 2.0 * np.pi * np.arange(count) / count
     rim = np.stack([8 * np.cos(angle), 8 * np.sin(angle), np.full(count, -depth)], axis=1)
     faces = [[0, 1 + k, 1 + (k + 1) % count][::turn] for k in range(count)]
-    return Part(np.concatenate([[[0.0, 0.0, -depth]], rim]), faces, stage.paint((1, 1, 1)))
+    return Part(np.concatenate([[[0.0, 0.0, -depth]], rim]), faces, flat_scene.paint((1, 1, 1)))
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 8])
@@ -104,14 +104,14 @@ def test_a_corner_of_two_sides_is_met_once_a_side():
 
 
 def test_an_edge_of_two_triangles_is_met_once():
-    assert depths(view_of([stage.rectangle(-8, 8, -8, 8, 2.0)], ThinLens(1.0, 2.0))) == [2.0]
+    assert depths(view_of([flat_scene.rectangle(-8, 8, -8, 8, 2.0)], ThinLens(1.0, 2.0))) == [2.0]
 
 
 def test_sides_that_alternate_in_number_are_told_apart():
     # Four triangles around the axis, each of them there twice: as it is, and turned inside out right after it.
     front, back = fan(2.0, 4), fan(2.0, 4, -1)
     faces = np.stack([front.faces, back.faces], axis=1).reshape(-1, 3)
-    part = Part(front.vertices, faces, stage.paint((1, 1, 1)))
+    part = Part(front.vertices, faces, flat_scene.paint((1, 1, 1)))
     assert depths(view_of([part], ThinLens(1.0, 2.0))) == [2.0, 2.0]
 
 
@@ -129,5 +129,5 @@ def test_of_many_layers_one_more_than_needed_is_made():
 def test_edges_that_share_a_corner_are_apart_where_the_ray_meets_them():
     # Two triangles that fold apart from a corner at the left: on the axis their lower edges are at 2 and at 2.0002.
     corners = [[-1, 0, -2], [1, 0, -2], [0, 2, -2], [1, 0, -2.0004], [0, 2, -2.0004]]
-    part = Part(corners, [[0, 1, 2], [0, 3, 4]], stage.paint((1, 1, 1)))
+    part = Part(corners, [[0, 1, 2], [0, 3, 4]], flat_scene.paint((1, 1, 1)))
     np.testing.assert_allclose(depths(view_of([part], ThinLens(1.0, 2.0))), [2.0, 2.0002], rtol=1e-7)

@@ -1,0 +1,279 @@
+"""Upsampling of mip levels with a circular filter: a blur of any width from a few reads of a coarse level.
+
+1. upsample the blur of nearer neighbours, and read blur as coarse as that     `smooth_blur`
+2. read nine points of a circle between two levels of colour                  `upsample`
+
+References
+----------
+.. [1] Lee, Kim, Choi (2009), Real-Time Depth-of-Field Rendering Using Anisotropically Filtered Mipmap Interpolation,
+   IEEE Transactions on Visualization and Computer Graphics 15(3), equations (5) to (8) and (11).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float
+from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.texel_registers import INWARD, read_circle
+from refdof.methods.mipmap.anisotropic import Chain
+from refdof.raster.filters.bilinear import texels_around
+
+__all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "smooth_blur", "upsample"]
+
+_ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
+_LOG2_E2 = 2.0 / np.log(2.0)
+K_SIGMA = 2.0 / 3.0  # [1], equations (5) and (6)
+# Centre, axes, diagonals: figure 4a for G(q - p), which diagonals keep, and figure 4b for the places of reads.
+_SQUARE = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)], dtype=float)
+_GAUSSIAN = np.exp(-0.5 * (_SQUARE**2).sum(axis=1))
+CIRCLE = np.where(np.abs(_SQUARE).sum(axis=1, keepdims=True) > 1, INWARD, 1.0) * _SQUARE
+_OFFSETS = np.array([0.0, 1.0, -1.0, INWARD, -INWARD])
+_COLUMN = np.array([0, 1, 2, 0, 0, 3, 4, 3, 4])  # each point's place in _OFFSETS
+_ROW = np.array([0, 0, 0, 1, 2, 3, 3, 4, 4])
+
+
+class SmoothedBlur(NamedTuple):
+    """(H, W) each: blur of nearer neighbours [px], degree of blur read as coarse as that [px], its level."""
+
+    neighbours: Float
+    smoothed: Float
+    levels: Float
+
+
+def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
+    """Equation (11): circles (T, 2), nearer (h, w) at the last level; no `points`: blur stays as it is."""
+    dtype = circles.texels.dtype
+    weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
+    tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
+    shape = (int(circles.heights[0]), int(circles.widths[0]))
+    blur = SmoothedBlur(*np.empty((3, *shape), dtype=dtype))
+    _smooth(circles.texels, *tables, *blur)
+    return blur
+
+
+def upsample(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
+    """Equation (8): colors (T, 4) -> (H, W, 3)."""
+    dtype = colors.texels.dtype
+    weights = (_GAUSSIAN / _GAUSSIAN.sum()).astype(dtype)
+    tables = _tables(colors)
+    if geometric:
+        return _upsample_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
+    out = np.empty((*blur.smoothed.shape, 3), dtype=dtype)
+    _upsample(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
+    return out
+
+
+def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
+    """Starts, heights and widths of the levels, and their texels per pixel of the picture down and right."""
+    down, right = ((sides / sides[0]).astype(chain.texels.dtype) for sides in (chain.heights, chain.widths))
+    return chain.starts, chain.heights, chain.widths, down, right
+
+
+@kernel
+def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights, rhos, sigmas, levels):
+    """Fill blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+
+    Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
+    """
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    scalar = circles.dtype.type
+    reach, half = scalar(2.0**last), scalar(0.5)
+    left, beside = np.empty((5, width), dtype=np.uint32), np.empty((5, width), dtype=np.uint32)
+    across = np.empty((5, width), dtype=circles.dtype)
+    for i in range(5):
+        for x in range(width):
+            place = (scalar(x) + half + offsets[i] * reach) * right[last]
+            left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
+    texel, aside = np.empty((last + 1, width), dtype=np.uint32), np.empty((last + 1, width), dtype=np.uint32)
+    share = np.empty((last + 1, width), dtype=circles.dtype)
+    for k in range(last + 1):
+        for x in range(width):
+            texel[k, x], aside[k, x], share[k, x] = texels_around((scalar(x) + half) * right[k], widths[k])
+    for y in prange(height):
+        texels, front = borrow(circles), borrow(nearer)
+        firsts, seconds, shares = borrow(texel), borrow(aside), borrow(share)
+        sums, rho, sigma, lod = np.zeros((5, front.shape[1]), dtype=circles.dtype), rhos[y], sigmas[y], levels[y]
+        rho[:] = scalar(0)
+        for k in range(len(weights) if len(weights) > 1 else 0):
+            v, v1, wy = texels_around((scalar(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
+            for x in range(front.shape[1]):
+                sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
+        for i in range(5):
+            if sums[i].any():
+                _add_line(rho, sums[i], left[i], beside[i], across[i])
+        top, bottom = np.empty(last + 1, dtype=np.int64), np.empty(last + 1, dtype=np.int64)
+        sink = np.empty(last + 1, dtype=circles.dtype)
+        for k in range(last + 1):
+            first, second, sink[k] = texels_around((scalar(y) + half) * down[k], heights[k])
+            top[k], bottom[k] = starts[k] + first * widths[k], starts[k] + second * widths[k]
+        _levels_of(rho, scalar(last), lod)  # Eq. (11)
+        for x in range(width):
+            n = lod[x]
+            if n <= scalar(0):
+                sigma[x] = texels[top[0] + x, 1]
+                continue
+            k = int(n)
+            rest = n - scalar(k)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            fine = _between(
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
+            )
+            k = min(k + 1, last)
+            p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
+            coarse = _between(
+                texels[upper + p, 1],
+                texels[upper + q, 1],
+                texels[lower + p, 1],
+                texels[lower + q, 1],
+                shares[k, x],
+                sink[k],
+            )
+            sigma[x] = fine + (coarse - fine) * rest
+        _levels_of(sigma, scalar(np.inf), lod)
+
+
+@inline
+def _add_line(total, line, left, beside, across):
+    for x in range(len(total)):
+        a = line[left[x]]
+        total[x] += a + (line[beside[x]] - a) * across[x]
+
+
+@inline
+def _levels_of(sigmas, largest, out):
+    for x in range(len(out)):
+        out[x] = min(_level_of(sigmas[x]), largest)
+
+
+@kernel
+def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
+    """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    scalar = colors.dtype.type
+    widest = scalar(2.0**last)
+    for y in prange(height):
+        texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
+        shares = (weights[0], weights[1], weights[5])
+        begin, tall, broad, downward, rightward = (
+            borrow(starts),
+            borrow(heights),
+            borrow(widths),
+            borrow(down),
+            borrow(right),
+        )
+        for x in range(width):
+            m = lods[y, x]
+            if m <= scalar(0):
+                for c in range(3):
+                    out[y, x, c] = texels[y * width + x, c]
+                continue
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
+            u, v = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5)
+            a, b = rightward[level], downward[level]
+            fine = read_circle(
+                texels, begin[level], broad[level], tall[level], u * a, v * b, radius * a, radius * b, shares
+            )
+            if beta > scalar(0):
+                k = level + np.uint32(1)
+                a, b = rightward[k], downward[k]
+                coarse = read_circle(texels, begin[k], broad[k], tall[k], u * a, v * b, radius * a, radius * b, shares)
+                out[y, x, 0] = fine[0] + (coarse[0] - fine[0]) * beta
+                out[y, x, 1] = fine[1] + (coarse[1] - fine[1]) * beta
+                out[y, x, 2] = fine[2] + (coarse[2] - fine[2]) * beta
+            else:
+                out[y, x, 0], out[y, x, 1], out[y, x, 2] = fine
+
+
+@kernel
+def _upsample_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
+    """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
+    height, width, last = heights[0], widths[0], len(starts) - 1
+    scalar = colors.dtype.type
+    widest = scalar(2.0**last)
+    out = np.zeros((height, width, 3), dtype=colors.dtype)
+    for y in prange(height):
+        texels, sizes = borrow(colors), borrow(smoothed)
+        for x in range(width):
+            m = levels[y, x]
+            if m <= scalar(0):
+                for c in range(3):
+                    out[y, x, c] = texels[y * width + x, c]
+                continue
+            radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
+            for k in range(9):
+                u, v = scalar(x) + scalar(0.5) + circle[k, 0] * radius, scalar(y) + scalar(0.5) + circle[k, 1] * radius
+                fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
+                if beta > scalar(0):
+                    coarse = _color_at(texels, starts, heights, widths, down, right, level + 1, u, v)
+                    for c in range(3):
+                        out[y, x, c] += weights[k] * _power(fine[c], coarse[c], beta)
+                else:
+                    for c in range(3):
+                        out[y, x, c] += weights[k] * fine[c]
+    return out
+
+
+@inline
+def _circle_of(m, sigma, last, widest):
+    """Radius of the circle [px], the level one below `m` > 0, and the weight of the next.
+
+    Below m = 1 there is no lower level: the circle shrinks instead. Above, 2^(m - 1) is K_SIGMA sigma.
+    """
+    scalar = type(m)
+    radius = min(scalar(K_SIGMA) * sigma, widest) if m > scalar(1) else m
+    lod = min(max(m - scalar(1), scalar(0)), scalar(last))
+    level = np.uint32(lod)
+    return radius, level, lod - scalar(level)
+
+
+@inline
+def _level_of(sigma):
+    """Equation (6): the continuous level of a degree of blur [px]."""
+    scaled = K_SIGMA * np.float64(sigma)
+    return type(sigma)(1.0 + _log2(scaled)) if scaled > 0.5 else type(sigma)(0)
+
+
+@inline
+def _log2(value):
+    """Logarithm of a float64 > 0, correct to 2^-52 and without a branch, so that a row takes it in vectors."""
+    bits = np.float64(value).view(np.int64)
+    exponent = (bits - _ROOT_HALF) >> 52
+    mantissa = np.int64(bits - (exponent << 52)).view(np.float64)  # sqrt(1/2) .. sqrt(2)
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    t = s * s  # below 0.0295; the first term left out is 2e-17 of the sum
+    series = 1.0 / 19.0
+    for k in (17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0):
+        series = series * t + 1.0 / k
+    return np.float64(np.int32(exponent)) + _LOG2_E2 * (s + s * t * series)
+
+
+@inline
+def _power(a, b, beta):
+    """a^(1 - beta) b^beta of numbers >= 0."""
+    return type(a)(np.float64(a) ** (1.0 - np.float64(beta)) * np.float64(b) ** np.float64(beta))
+
+
+@inline
+def _color_at(texels, starts, heights, widths, down, right, level, u, v):
+    """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
+    x, x1, wx = texels_around(u * right[level], widths[level])
+    y, y1, wy = texels_around(v * down[level], heights[level])
+    first, second = starts[level] + y * widths[level], starts[level] + y1 * widths[level]
+    p, q, r, s = first + x, first + x1, second + x, second + x1
+    return (
+        _between(texels[p, 0], texels[q, 0], texels[r, 0], texels[s, 0], wx, wy),
+        _between(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
+        _between(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
+    )
+
+
+@inline
+def _between(p, q, r, s, wx, wy):
+    a, b = p + (q - p) * wx, r + (s - r) * wx
+    return a + (b - a) * wy
