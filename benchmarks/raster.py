@@ -140,10 +140,10 @@ def gaussian_level(image):
     return out
 
 
-def chain_of(halve, image):
+def chain_of(downsample, image):
     levels = [image]
     while len(levels[-1]) > 1:
-        levels.append(halve(levels[-1]))
+        levels.append(downsample(levels[-1]))
     return levels[1:]
 
 

@@ -1,6 +1,6 @@
 """Validation: the only place that converts arguments and raises for bad ones.
 
-Every error names the argument, what it got and what is allowed. Behind the gate nothing checks again.
+Every error names the argument, what it got and what is allowed. After validation nothing checks again.
 """
 
 import difflib

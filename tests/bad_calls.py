@@ -1,6 +1,6 @@
 """Every public door with one valid call, and the values that nobody should hand to it.
 
-`DOORS` maps a name to a call and to its arguments, all of them. `INNER` names what stands behind the gate: helpers of
+`DOORS` maps a name to a call and to its arguments, all of them. `INNER` names what stands after validation: helpers of
 kernels and methods, and records that come out. `tests/test_bad_calls.py` runs the table and fails for a public name in
 neither.
 """
@@ -377,7 +377,7 @@ for _name, _module in METHODS.items():
             _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
         )
 
-# Behind the gate: helpers of kernels and methods, and records that come out.
+# After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "cli", "comparison", "report", "stages",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
@@ -471,7 +471,7 @@ def variants(base: Any) -> list[Any]:
 
 
 def public_names() -> dict[str, Any]:
-    """Functions, classes and methods in `__all__` of every module that is not behind the gate, by dotted name."""
+    """Functions, classes and methods in `__all__` of every module but `INNER_MODULES`, by dotted name."""
     found = {}
     for info in pkgutil.walk_packages(refdof.__path__, "refdof."):
         short = info.name.removeprefix("refdof.")

@@ -1,4 +1,4 @@
-"""Scenes, lenses and pictures with the largest, smallest and oddest numbers that the gate lets through."""
+"""Scenes, lenses and pictures with the largest, smallest and oddest numbers that validation lets through."""
 
 import numpy as np
 

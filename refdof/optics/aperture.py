@@ -1,4 +1,4 @@
-"""Apertures: the shape of the aperture inside the unit lens disc, and area-uniform points on it.
+"""Apertures: their shape inside the unit lens disc, and area-uniform points on it.
 
 The longest half-axis of every shape is the lens radius, so no point leaves the unit disc (save, for an image, the outer
 corners of texels on its rim) and circles of confusion bound every blur. A picture's brightness is an average over the
@@ -19,7 +19,7 @@ __all__ = ["Aperture"]
 
 _FIELDS = ("boundary", "weights", "scale", "deviation")
 _LEAST_SCALE = 1e-6  # of an anamorphic squeeze: a slit, still wider than roundings
-_MOST_SCALE = 4.0  # darts fall on openings wider than the lens
+_MOST_SCALE = 4.0  # darts fall on apertures wider than the lens
 _ARC_SEGMENTS = 64  # per curved blade: the inscribed chords lose 1.8e-4 of the area with three blades, less with more
 
 
@@ -35,7 +35,7 @@ class Aperture:
     weights : (h, w) float64
         Transmission over the square [-1, 1]^2, row 0 at the top; empty unless made from an image.
     scale : (x, y)
-        Anamorphic squeeze, each in (0, 1] for openings inside the lens disc; up to 4 is taken.
+        Anamorphic squeeze, each in (0, 1] for apertures inside the lens disc; up to 4 is taken.
     deviation : float
         Standard deviation of a Gaussian aperture [lens radii]; inf: transmission is even.
     """
@@ -147,10 +147,10 @@ class Aperture:
         square = as_float("square", square, (None, 2), dtype=np.float64, minimum=0.0)
         if square.size and square.max() > 1.0:
             raise InputError(f"square: largest value is {square.max():g}; allowed are values <= 1")
-        return _opening_points(square, self.boundary, *self.cumulated(), self.deviation) * np.asarray(self.scale)
+        return _aperture_points(square, self.boundary, *self.cumulated(), self.deviation) * np.asarray(self.scale)
 
     def transmission(self, points: Float) -> Float:
-        """Transmission (N,) at lens points (N, 2): of an image 0 outside it; 1 everywhere for other openings."""
+        """Transmission (N,) at lens points (N, 2): of an image 0 outside it; 1 everywhere for other apertures."""
         points = as_float("points", points, (None, 2), dtype=np.float64)
         if not self.is_image:
             return np.ones(len(points))
@@ -163,7 +163,7 @@ class Aperture:
 
 
 @kernel
-def _opening_points(square, boundary, row_sums, texel_sums, deviation):
+def _aperture_points(square, boundary, row_sums, texel_sums, deviation):
     """Points (N, 2) of the aperture before its squeeze."""
     points = np.empty_like(square)
     for k in prange(len(square)):

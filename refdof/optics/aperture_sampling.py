@@ -1,5 +1,4 @@
-"""The lens aperture for kernels: a lens point from a point of the unit square, keeping areas in proportion to the
-light.
+"""The lens aperture for kernels: a lens point from a point of the unit square, areas in proportion to the light.
 
 An image aperture is sampled by its transmission (row, then texel of the row), and a Gaussian one by the
 light inside a radius, so every point has the same weight.

@@ -1,4 +1,4 @@
-"""Maps from the unit square to openings for kernels: every part of the square gets its share of the light.
+"""Maps from the unit square to apertures for kernels: every part of the square gets its share of the light.
 
 1. disc: a square ring becomes a circle, and angles are linear along its sides, [1]   `concentric_disc`
 2. Gaussian: the disc's radii are stretched                                           `gaussian_stretch`

@@ -9,8 +9,8 @@ jittered  one random point in each of `count` cells of equal area
 random    independent points
 ========  ===========================================================================================
 
-Poisson-disc points are made on the aperture itself. Every other pattern is a set of points of the unit square; the
-aperture maps it to the aperture, keeping areas in proportion to the light.
+Poisson-disc points are made on the aperture itself. Every other pattern is a set of points of the unit square,
+which the aperture maps to its shape, keeping areas in proportion to the light.
 
 References
 ----------

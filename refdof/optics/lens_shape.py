@@ -57,7 +57,7 @@ def moments(aperture: Aperture) -> Moments:
 
 
 def density(aperture: Aperture, points: Float) -> Float:
-    """Share of the light per area (N,) at points (N, 2); of openings that are no images it goes on beyond the rim."""
+    """Share of the light per area (N,) at points (N, 2); of apertures that are no images it goes on beyond the rim."""
     area = float(np.prod(aperture.scale))
     if aperture.is_image:
         texel = 4.0 * area / aperture.weights.size

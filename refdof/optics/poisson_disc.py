@@ -40,7 +40,7 @@ _CLOSE = 1e-14  # lens radii (squared): moments as good as equal
 
 
 def poisson_disc(aperture: Aperture, count: int, rng: np.random.Generator) -> Float:
-    """Points (count, 2) on the aperture of `aperture`, in units of the lens radius."""
+    """Points (count, 2) on `aperture`, in units of the lens radius."""
     if count == 1:
         return middle(aperture)[None]
     goal = moments(aperture)

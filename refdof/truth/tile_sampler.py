@@ -56,8 +56,8 @@ class TileSampler:
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
         self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
-        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.projection()
-        self._opening = aperture_sampler_of(view.lens.aperture)
+        self._surfaces, self._tracer, self._projection = view.surfaces(), view.tracer(), view.projection()
+        self._aperture_sampler = aperture_sampler_of(view.lens.aperture)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:
@@ -96,8 +96,8 @@ class TileSampler:
         packets, query = new_packets(_PACKETS), new_query(coherent=True)
         block = block_of(start, count.bit_length() - 1)
         trace_block(
-            self._surfaces, self._tracer.scene, self._tracer.packet, query, self._shot, self._opening, block,
-            pixels, self._seed, self._shared, self._box, packets, sums,
+            self._surfaces, self._tracer.scene, self._tracer.packet, query, self._projection, self._aperture_sampler,
+            block, pixels, self._seed, self._shared, self._box, packets, sums,
         )  # fmt: skip
         return sums
 

@@ -102,7 +102,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
 
 
 def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
-    """`blur` behind the gate."""
+    """`blur` after validation."""
     radius = np.minimum(np.abs(coc).astype(np.float64), params.largest_px)
     trace.record("coc", lambda: coc)
     trace.record("radius", lambda: radius)

@@ -1,4 +1,4 @@
-"""Lens points, patterns and openings by hand where statistics do not tell."""
+"""Lens points, patterns and apertures by hand where statistics do not tell."""
 
 import math
 
@@ -76,7 +76,7 @@ def test_seeds_give_other_textures(jitter):
 
 
 @pytest.mark.parametrize("deviation", [0.05, 0.3, 0.5, 2.0])
-def test_radii_of_a_gaussian_opening_by_its_integral(deviation):
+def test_radii_of_a_gaussian_aperture_by_its_integral(deviation):
     # Along the middle of the square's right half the concentric map is the identity: the radius 2 u - 1 holds the share
     # q = (2 u - 1)^2 of an even disc, and has to hold as much of the Gaussian's light:
     # q = (1 - exp(-r^2 / 2 s^2)) / (1 - exp(-1 / 2 s^2)).

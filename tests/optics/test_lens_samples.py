@@ -224,7 +224,7 @@ def best_distance(name, points):
 
 @pytest.mark.parametrize("name", OPENINGS)
 @pytest.mark.parametrize("count", [3, 8, 32, 100])
-def test_poisson_discs_have_mean_and_covariance_of_the_opening_and_keep_their_distance(name, count):
+def test_poisson_discs_have_mean_and_covariance_of_the_aperture_and_keep_their_distance(name, count):
     aperture_sampler, covariance, _ = OPENINGS[name]
     mean = np.zeros(2)
     if name == "image":
@@ -276,17 +276,17 @@ TABLE = {
 @pytest.mark.parametrize(("pattern", "count"), TABLE)
 def test_centre_and_spacing_of_every_pattern(pattern, count):
     centre, *spacing = TABLE[pattern, count]
-    openings = (
+    shapes = (
         (Aperture.disc(), math.pi),
         (Aperture.polygon(6), 1.5 * math.sqrt(3)),
         (Aperture.polygon(3), 0.75 * 3**0.5),
     )
-    for (aperture_sampler, area), expected in zip(openings, spacing, strict=True):
+    for (aperture_sampler, area), expected in zip(shapes, spacing, strict=True):
         sets = [lens_samples(count, pattern, seed, aperture_sampler)[0] for seed in range(20)]
         off = math.sqrt(np.mean([(points.mean(axis=0) ** 2).sum() for points in sets]))
         least = np.mean([pdist(points).min() for points in sets]) / math.sqrt(2 * area / (math.sqrt(3) * count))
         assert least == pytest.approx(expected, abs=0.0006)  # as printed
-        if aperture_sampler is openings[0][0]:
+        if aperture_sampler is shapes[0][0]:
             assert off == pytest.approx(centre, abs=0.00006)
         assert off <= math.sqrt(1 / 2 / count)  # independent points on the disc have this; polygons are smaller
     assert spacing[1] > (0.85 if pattern == "vogel" else 0.95) * spacing[0]

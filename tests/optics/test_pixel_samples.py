@@ -13,7 +13,7 @@ pytestmark = pytest.mark.fast
 
 
 @given(st.integers(3, 9), st.floats(0, 360), st.floats(0, 1), st.floats(0.3, 3.0), st.sampled_from(JITTERS))
-def test_points_stay_in_the_opening(blades, rotation, curvature, ratio, jitter):
+def test_points_stay_in_the_aperture(blades, rotation, curvature, ratio, jitter):
     aperture = Aperture.polygon(blades, rotation, curvature, ratio)
     points = lens_pattern(5, aperture, jitter, "vogel").points.reshape(-1, 2)[:2000]
     aperture_sampler = shapely.Polygon(aperture.boundary * np.asarray(aperture.scale))

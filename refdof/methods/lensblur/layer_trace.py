@@ -94,7 +94,7 @@ def trace_layers(
         Colours, or attributes to be shaded.
     surfaces : Surfaces
         Lights and background.
-    projection : Shot
+    projection : Projection
     focus : float
         The focal plane [px of parallax].
     pattern : LensPattern

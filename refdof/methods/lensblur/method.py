@@ -26,7 +26,7 @@ Departures from the paper
 - "1/4th resolution" of the N-buffer with "a factor of four" in memory: half the resolution along each axis.
 - Peeled layers come from exact ray casting, back faces included.
 - The closed form of the footprint bounds a round lens. Texels on the rim of an image aperture have corners outside
-  it; where such a point is drawn, all rays are bounded. Umbrae are those of the aperture's own reach.
+  it; where such a point is drawn, all rays are bounded. Umbrae are those of the aperture's reach.
 - Places are computed in float32, to 2^-24 of the parallax: where that is some pixels (a very wide lens), what is in
   focus no longer is.
 

@@ -80,10 +80,8 @@ def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
     height, width = pack.shape[0], pack.shape[1]
     x, step_x, inverse_x = _start(ax, wx, near, width)
     y, step_y, inverse_y = _start(ay, wy, near, height)
-    ahead_x, ahead_y = (
-        scalar(0.5) * scalar(1 + step_x),
-        scalar(0.5) * scalar(1 + step_y),
-    )  # from the texel's corner to its exit
+    # From the texel's corner to its exit.
+    ahead_x, ahead_y = scalar(0.5) * scalar(1 + step_x), scalar(0.5) * scalar(1 + step_y)
     enter, steps, last_x, last_y = near, 0, x, y
     while True:
         steps += 1

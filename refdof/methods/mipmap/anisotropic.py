@@ -1,8 +1,8 @@
 """Anisotropic mip chains: a blurred background takes nothing from what is sharp in front of it.
 
 0. copy the picture and its circles into level 0                             `begin`
-1. downsample circles of confusion with a 3 x 3 Gaussian                          `downsample`
-2. downsample colour with the same one, without taps that are sharper             `downsample`
+1. downsample circles of confusion with a 3 x 3 Gaussian                     `downsample`
+2. downsample colour with the same one, without taps that are sharper        `downsample`
 3. find the largest blur among nearer neighbours, for the last level         `foreground_blur`
 
 Circles are (H, W, 2): signed radius, for the order in depth, and its size, the degree of blur [px]. Each level has half

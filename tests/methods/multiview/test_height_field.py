@@ -192,33 +192,33 @@ def test_reach_holds_the_blur_and_little_more(near, far, largest, widening, leas
     assert least <= fields.reach[0] <= least + 2.0
 
 
-# --- doubt
+# --- ambiguous rays
 
 
-def doubt(heights, far, pixel=2, near=0.0, width=5, **words):
+def ambiguous(heights, far, pixel=2, near=0.0, width=5, **words):
     search = SEARCH._replace(wall=0.5, **words)
     fields = fields_of(field(width, heights), np.array([near]), np.array([float(far)]), 1.0)
     return bool(trace_hits(fields, one_set((0.5, 0.0)), search).ambiguous[0, pixel, 0])
 
 
-def test_numbers_too_close_to_call_are_in_doubt():
+def test_numbers_too_close_to_call_are_ambiguous():
     # Pixel 2 leaves texel 2 at c = 1 and texel 1 at c = 3.
-    assert not doubt({2: 0.9, 1: 0.2, 0: 0.2}, 3)
-    assert not doubt({2: 1.1, 1: 0.2, 0: 0.2}, 3)
-    assert doubt({2: 1.0005, 1: 0.2, 0: 0.2}, 3)
-    assert doubt({2: 0.9995, 1: 0.2, 0: 0.2}, 3)
+    assert not ambiguous({2: 0.9, 1: 0.2, 0: 0.2}, 3)
+    assert not ambiguous({2: 1.1, 1: 0.2, 0: 0.2}, 3)
+    assert ambiguous({2: 1.0005, 1: 0.2, 0: 0.2}, 3)
+    assert ambiguous({2: 0.9995, 1: 0.2, 0: 0.2}, 3)
 
 
-def test_what_blocks_and_then_is_free_is_in_doubt():
-    assert doubt({2: 0.9}, 3)
+def test_what_blocks_and_then_is_free_is_ambiguous():
+    assert ambiguous({2: 0.9}, 3)
     # A ray that leaves the image for certain is not: nothing else is asked of it. At c = 8 it is over -1.5.
-    assert not doubt({2: 0.9}, 8, discard=True)
-    assert doubt({2: 0.9}, 8, discard=False)
+    assert not ambiguous({2: 0.9}, 8, discard=True)
+    assert ambiguous({2: 0.9}, 8, discard=False)
 
 
-def test_rays_along_the_images_border_are_in_doubt():
+def test_rays_along_the_images_border_are_ambiguous():
     # Pixel 3 of 4 ends over 3.5 - near / 2, and the image at 4.
     words = {"heights": {3: -0.5}, "far": 0, "pixel": 3, "width": 4, "march": True, "discard": True}
-    assert doubt(near=-1.0 - 2e-4, **words)
-    assert doubt(near=-1.0 + 2e-4, **words)
-    assert not doubt(near=-1.2, **words)
+    assert ambiguous(near=-1.0 - 2e-4, **words)
+    assert ambiguous(near=-1.0 + 2e-4, **words)
+    assert not ambiguous(near=-1.2, **words)

@@ -164,7 +164,7 @@ def test_false_position_hits_what_the_twin_hits_where_not_ambiguous(seed, smooth
     sure = ~hits.ambiguous
     np.testing.assert_array_equal(hits.layer[sure], layer[sure])
     np.testing.assert_array_equal(hits.texel[sure], texel[sure])
-    # Noise with holes is doubt itself; slopes are what scenes are made of.
+    # In noise with holes many rays are ambiguous; slopes are what scenes are made of.
     assert sure.mean() > (0.8 if smooth else 0.2)
 
 
