@@ -10,7 +10,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof.error_bar import Estimate, grid_of, summarise, unfinished
-from refdof.lens_rays import tile_order, trace_block
+from refdof.lens_rays import Aim, Traversal, tile_order, trace_block
 from refdof.noise_floor import GROUPS, noise_moments
 from refdof.opening import opening_of
 from refdof.owen import block_of
@@ -55,9 +55,8 @@ class TileSampler:
         self.width, self.height = view.camera.size
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
-        self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
-        self._surfaces, self._tracer, self._shot = view.surfaces(), view.tracer(), view.shot()
-        self._opening = opening_of(view.lens.aperture)
+        self._surfaces, self._tracer = view.surfaces(), view.tracer()
+        self._aim = Aim(view.shot(), opening_of(view.lens.aperture), np.uint32(seed), shared_pattern, box)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:
@@ -93,12 +92,11 @@ class TileSampler:
     def _trace(self, pixels: Index, start: int, count: int) -> Any:
         """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
         sums = np.zeros((self.replicates, len(pixels), 3))
-        packets, query = new_packets(_PACKETS), new_query(coherent=True)
+        tracer, query, packets = self._tracer, new_query(coherent=True), new_packets(_PACKETS)
         block = block_of(start, count.bit_length() - 1)
         trace_block(
-            self._surfaces, self._tracer.scene, self._tracer.packet, query, self._shot, self._opening, block,
-            pixels, self._seed, self._shared, self._box, packets, sums,
-        )  # fmt: skip
+            self._surfaces, Traversal(tracer.scene, tracer.packet, query, packets), self._aim, block, pixels, sums
+        )
         return sums
 
 

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from refdof import Light, ThinLens, View
 from refdof.lens_pattern import LensPattern
 from refdof.raster.attributes import ATTRIBUTES
-from refdof.raster.layer_trace import new_stack, trace_layers
+from refdof.raster.layer_trace import Choices, new_stack, trace_layers
 
 pytestmark = pytest.mark.fast
 BACKGROUND = (0.25, 0.5, 0.75)
@@ -34,8 +34,8 @@ def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None
     lens = np.array(lens, float).reshape(-1, 2)
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
-    stack = new_stack(parallax, extension, complete)
-    return trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, misses="black", **words)
+    stack, choices = new_stack(parallax, extension, complete), Choices(misses="black", **words)
+    return trace_layers(stack, color, view.surfaces(), view.shot(), focus, pattern, pinhole, choices)
 
 
 def meet(layers, pixel, v, focus, width=4, upright=False, **words):
@@ -236,7 +236,14 @@ def test_all_rays_missed_show_the_pinhole():
     stack = new_stack(np.full((1, 1, 2), 0.25), 0.0, False)
     for misses, wanted in (("renormalise", pinhole), ("pinhole", pinhole), ("black", np.zeros((1, 2, 3)))):
         traced = trace_layers(
-            stack, np.ones((1, 1, 2, 3), np.float32), view.surfaces(), view.shot(), 1.0, pattern, pinhole, misses=misses
+            stack,
+            np.ones((1, 1, 2, 3), np.float32),
+            view.surfaces(),
+            view.shot(),
+            1.0,
+            pattern,
+            pinhole,
+            Choices(misses=misses),
         )
         np.testing.assert_array_equal(traced.missed, 1.0)
         np.testing.assert_array_equal(traced.image, wanted)

@@ -44,7 +44,7 @@ from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.lens_pattern import JITTERS, lens_pattern
 from refdof.method_record import Method
 from refdof.raster.attributes import attributes_of
-from refdof.raster.layer_trace import MISSES, Stack, new_stack, trace_layers
+from refdof.raster.layer_trace import MISSES, Choices, Stack, new_stack, trace_layers
 from refdof.raster.peel import Layers
 from refdof.sampling import PATTERNS
 from refdof.trace import Trace
@@ -165,10 +165,7 @@ def render(view: View, params: Params, trace: Trace) -> Float:
         float(_parallax(view, view.lens.focus_distance)),
         pattern,
         pinhole,
-        stride=FOOTPRINTS[footprint],
-        iterations=params.iterations,
-        misses=params.misses,
-        linear=params.filter == "linear",
+        Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear"),
     )
     trace.record("parallax", lambda: _parallax_of_layers(view, layers))
     trace.record("layer_count", lambda: view.surface_counts(extent))

@@ -22,11 +22,11 @@ from refdof.lens_pattern import LensPattern
 from refdof.raster.attributes import ATTRIBUTES, shade_attributes
 from refdof.raster.footprint import narrow, ray_bounds
 from refdof.raster.nbuffer import n_buffer
-from refdof.raster.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
+from refdof.raster.texel_walk import PACK, Hit, Ray, enter_picture, first_hit, neighbours, pack_layers
 from refdof.shot import Shot
 from refdof.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
+__all__ = ["MISSES", "Choices", "Stack", "Traced", "new_stack", "trace_layers"]
 
 MISSES = ("renormalise", "black", "pinhole")
 _RENORMALISE, _BLACK, _PINHOLE = range(3)
@@ -47,6 +47,31 @@ class Stack(NamedTuple):
     block: int
     extension: float
     last: int
+
+
+class Choices(NamedTuple):
+    """How to trace: stride and iterations of `narrow`; misses, one of `MISSES`; whether to read values bilinearly."""
+
+    stride: int = 0
+    iterations: int = 3
+    misses: str = "renormalise"
+    linear: bool = False
+
+
+class _Lens(NamedTuple):
+    """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
+    `LensPattern`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
+    """
+
+    points: Float
+    weights: Float
+    sets: Any
+    focus: float
+    top: Float
+    stride: int
+    iterations: int
+    misses: int
+    linear: bool
 
 
 class Traced(NamedTuple):
@@ -79,11 +104,7 @@ def trace_layers(
     focus: float,
     pattern: LensPattern,
     pinhole: Float,
-    *,
-    stride: int = 0,
-    iterations: int = 3,
-    misses: str = "renormalise",
-    linear: bool = False,
+    choices: Choices = Choices(),
 ) -> Traced:
     """Trace a thin lens's rays.
 
@@ -99,16 +120,12 @@ def trace_layers(
         The focal plane [px of parallax].
     pattern : LensPattern
     pinhole : (H, W, 3) float32
-        What missed rays see if `misses` is "pinhole", or if it is "renormalise" and none is left.
-    stride, iterations
-        Of `narrow`.
-    misses : one of `MISSES`
-    linear : bool
-        Read values bilinearly.
+        What missed rays see if misses are "pinhole", or if they are "renormalise" and no ray is left.
+    choices : Choices
     """
     groups, height, width, _ = stack.packs.shape
     dtype = stack.packs.dtype
-    lens = pattern.points * [1.0, -1.0]  # x right, y down
+    points = pattern.points * [1.0, -1.0]  # x right, y down
     traced = Traced(
         np.empty((height, width, 3), dtype=np.float32),
         np.empty((groups, height, width), dtype=dtype),
@@ -116,43 +133,49 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
         np.empty((height, width), dtype=np.float32),
     )
-    lens, weights = lens.astype(dtype), pattern.weights
     own: Any = dtype.type
-    stack, center = stack._replace(extension=own(stack.extension)), own(focus)
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
-    how = stride, iterations, MISSES.index(misses), bool(linear)
+    misses = MISSES.index(choices.misses)
+    shared = _Lens(
+        points.astype(dtype), pattern.weights, pattern.set, own(focus), top, choices.stride, choices.iterations, misses,
+        bool(choices.linear),
+    )  # fmt: skip
+    stack = stack._replace(extension=own(stack.extension))
 
     def band(first: int) -> None:
-        last = min(first + _ROWS_PER_TASK, height)
-        _trace_rows(
-            stack, values, surfaces, shot, center, lens, weights, pattern.set, pinhole, top, how, first, last, traced
-        )
+        _trace_rows(stack, values, surfaces, shot, shared, pinhole, first, min(first + _ROWS_PER_TASK, height), traced)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return traced
 
 
 @tile_kernel
-def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinhole, top, how, first, last, traced):
-    """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
-    packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
-    surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
+def _trace_rows(stack, values, surfaces, shot, lens, pinhole, first, last, traced):
+    """Trace rows first .. last - 1."""
+    stack = Stack(
+        borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.block, stack.extension, stack.last
+    )
+    surfaces, values, points, weights = (
+        borrow_surfaces(surfaces),
+        borrow(values),
+        borrow(lens.points),
+        borrow(lens.weights),
+    )
+    packs, focus, sets, top, misses = stack.packs, lens.focus, lens.sets, lens.top, lens.misses
     own = packs.dtype.type
     groups, height, width = packs.shape[:3]
-    stride, iterations, misses, linear = how
-    rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
+    rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
     near, far = np.empty(groups, dtype=packs.dtype), np.empty(groups, dtype=packs.dtype)
     for y in range(first, last):
         for x in range(width):
             chosen = sets[y % len(sets), x % len(sets)]
             center = own(x) + own(0.5), own(y) + own(0.5), focus
-            _aim_thin_lens(lens[chosen], center, rays)
+            _aim_thin_lens(points[chosen], center, rays)
             inside = _all_inside(rays, max(top.max(), own(0.0)), width, height)
             for group in range(groups):
                 near[group], far[group] = narrow(
-                    lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], own(0.0), stack.extension, iterations,
-                )  # fmt: skip
+                    stack, group, rays, lens.stride, center, top[group], own(0.0), lens.iterations
+                )
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
             red = green = blue = 0.0
@@ -160,10 +183,8 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 weight = weights[chosen, n]
                 if weight == 0.0:
                     continue
-                ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
-                layer, at_x, at_y, u, walked = _hit(
-                    packs, ax, ay, wx, wy, near, far, stack.extension, stack.last, inside
-                )
+                ray = Ray(rays[0, n], rays[1, n], rays[2, n], rays[3, n])
+                layer, at_x, at_y, u, walked = _hit(stack, ray, near, far, inside)
                 steps += walked
                 if layer == _MISS:
                     missed += weight
@@ -171,8 +192,8 @@ def _trace_rows(stack, values, surfaces, shot, focus, lens, weights, sets, pinho
                 if layer == _BACKGROUND:
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
-                    right, down = ax + u * wx - own(at_x) - own(0.5), ay + u * wy - own(at_y) - own(0.5)
-                    r, g, b = _hit_color(surfaces, shot, packs, values, linear, layer, at_x, at_y, right, down, ax, ay)
+                    hit = Hit(layer, at_x, at_y, u)
+                    r, g, b = _hit_color(surfaces, shot, packs, values, lens.linear, hit, ray)
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
                 red += missed * pinhole[y, x, 0]
@@ -202,18 +223,18 @@ def _all_inside(rays, near, width, height):
 
 
 @inline
-def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
+def _hit(stack, ray, near, far, inside):
     """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
-    own = packs.dtype.type
+    packs, last, own = stack.packs, stack.last, stack.packs.dtype.type
     height, width = packs.shape[1], packs.shape[2]
     border = own(np.inf)
     if not inside:
-        border = enter_picture(width, height, ax, ay, wx, wy)
+        border = enter_picture(width, height, ray)
         if border < 0.0:
             return _MISS, 0, 0, border, 0
         if border < np.inf:
-            x = int(min(max(ax + border * wx, own(0.0)), own(width - 1)))
-            y = int(min(max(ay + border * wy, own(0.0)), own(height - 1)))
+            x = int(min(max(ray.ax + border * ray.wx, own(0.0)), own(width - 1)))
+            y = int(min(max(ray.ay + border * ray.wy, own(0.0)), own(height - 1)))
             if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
     layer, x, y, best, steps = _BACKGROUND, 0, 0, own(-1.0), 0
@@ -221,24 +242,26 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
         begin, end = min(near[group], border), max(far[group], best)
         if begin < end:
             continue
-        slot, at_x, at_y, u, walked = first_hit(packs, group, ax, ay, wx, wy, begin, end, extension)
+        slot, at_x, at_y, u, walked = first_hit(packs, group, ray, begin, end, stack.extension)
         steps += walked
         if slot >= 0 and u > best:
             layer, x, y, best = group * PACK + slot, at_x, at_y, u
     if layer == _BACKGROUND and not (inside and last < 0):
-        if not (0.0 <= ax < width and 0.0 <= ay < height):
+        if not (0.0 <= ray.ax < width and 0.0 <= ray.ay < height):
             return _MISS, 0, 0, best, steps
-        if last >= 0 and packs[last // PACK, int(ay), int(ax), last % PACK] > 0.0:
+        if last >= 0 and packs[last // PACK, int(ray.ay), int(ray.ax), last % PACK] > 0.0:
             return _MISS, 0, 0, best, steps
     return layer, x, y, best, steps
 
 
 @inline
-def _hit_color(surfaces, shot, packs, values, linear, layer, x, y, right, down, ax, ay):
-    """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
-    r, g, b = _radiance(surfaces, shot, values, layer, x, y, ax, ay)
+def _hit_color(surfaces, shot, packs, values, linear, hit, ray):
+    """Linear RGB of what a ray meets."""
+    ax, ay, own = ray.ax, ray.ay, packs.dtype.type
+    r, g, b = _radiance(surfaces, shot, values, hit.layer, hit.x, hit.y, ax, ay)
     if linear:
-        across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
+        right, down = ax + hit.u * ray.wx - own(hit.x) - own(0.5), ay + hit.u * ray.wy - own(hit.y) - own(0.5)
+        across, along, corner, fx, fy = neighbours(packs, hit, right, down)
         r1, g1, b1 = _radiance(surfaces, shot, values, *across, ax, ay)
         r2, g2, b2 = _radiance(surfaces, shot, values, *along, ax, ay)
         r3, g3, b3 = _radiance(surfaces, shot, values, *corner, ax, ay)

@@ -98,9 +98,8 @@ def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers, umbra_s
         last, capacity = min(first + _ROWS_PER_TASK, shot.height), _FIRST_CAPACITY
         while True:
             memory = new_collector(capacity)
-            found = _peel_rows(
-                surfaces, tracer.scene, tracer.single, shot, umbra_step, first, last, memory, layers, counts
-            )
+            call = tracer.scene, tracer.single
+            found = _peel_rows(surfaces, call, shot, umbra_step, first, last, memory, layers, counts)
             if found <= capacity:
                 return
             capacity = 2 * found
@@ -110,9 +109,12 @@ def _run(surfaces: Surfaces, tracer: Tracer, shot: Shot, layers: Layers, umbra_s
 
 
 @tile_kernel
-def _peel_rows(surfaces, scene, single, shot, umbra_step, first, last, memory, layers, counts):
-    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel."""
-    surfaces = borrow_surfaces(surfaces)
+def _peel_rows(surfaces, call, shot, umbra_step, first, last, memory, layers, counts):
+    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel.
+
+    call: addresses of Embree's scene and of the function that traces one ray.
+    """
+    surfaces, (scene, single) = borrow_surfaces(surfaces), call
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)
