@@ -14,23 +14,48 @@ A ray starts at the lens point (E vx, E vy, 0) and passes its pixel's point on t
 z = -1, so that the ray parameter is the planar depth.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from refdof._check import Index
+from refdof._check import Float, Index
 from refdof._jit import borrow, call_address, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
-from refdof.optics.aperture_sampling import borrow_aperture_sampler, is_plain_disc, lens_point
+from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
+from refdof.optics.projection import Projection
 from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 
-__all__ = ["tile_order", "trace_block"]
+__all__ = ["Aim", "Traversal", "tile_order", "trace_block"]
 
 _UNIT = 2.0**-32
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
 _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
+
+
+class Aim(NamedTuple):
+    """How rays leave the lens. shared: one pattern for all pixels; box: sample the pixel's area, not its centre."""
+
+    projection: Projection
+    aperture_sampler: ApertureSampler
+    seed: np.uint32
+    shared: bool
+    box: bool
+
+
+class Traversal(NamedTuple):
+    """What Embree is called with: addresses of scene and function, (32,) int32 arguments and packets, both aligned.
+
+    packets (K, ROWS, LANES) float32 is working memory.
+    """
+
+    scene: int
+    packet: int
+    query: Any
+    packets: Float
 
 
 def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
@@ -41,31 +66,24 @@ def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
 
 
 @tile_kernel
-def trace_block(
-    surfaces, scene, packet, query, projection, aperture_sampler, block, pixels, seed, shared, box, packets, sums
-):
-    """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2).
-
-    seed: uint32. shared: one pattern for all pixels. box: sample the pixel's area, not its centre. packets
-    (K, ROWS, LANES) float32 is aligned working memory; query (32,) int32 is Embree's, aligned.
-    """
+def trace_block(surfaces, traversal, aim, block, pixels, sums):
+    """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2)."""
     group = min(sums.shape[0], LANES)
     cells = _cells_together(len(block.cells)) if group == 1 else 1
-    strands = len(packets) * LANES // cells
+    strands = len(traversal.packets) * LANES // cells
     rays = np.zeros((4, strands * cells))
     tangents = np.zeros((2, strands))
     seeds = np.zeros((4, strands), dtype=np.uint32)
     column_of = np.zeros((1 << block.column_bits, strands), dtype=np.uint32)
     row_of = np.zeros((1 << block.row_bits, strands), dtype=np.uint32)
     totals = np.zeros((strands, 3))
-    work = (packets, query, rays, tangents, seeds, column_of, row_of, totals)
+    work = (rays, tangents, seeds, column_of, row_of, totals)
     chunk = strands // group
     for first in range(0, len(pixels), chunk):
         for replicate in range(0, len(sums), group):
             part = pixels[first : first + chunk]
             total = sums[replicate : replicate + group, first : first + chunk]
-            start = (np.uint32(seed), replicate, shared)
-            _trace(surfaces, scene, packet, projection, aperture_sampler, block, part, cells, start, box, work, total)
+            _trace(surfaces, traversal, aim, block, part, replicate, cells, work, total)
 
 
 @inline
@@ -77,25 +95,26 @@ def _cells_together(cells):
 
 
 @tile_kernel
-def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels, cells, start, box, work, sums):
-    """Trace one block for sums (G, N, 3), as many pixels and replicates as the working memory holds.
+def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums):
+    """Trace one block for sums (G, N, 3), from a replicate on, as many pixels and replicates as the memory holds.
 
     A strand is one pixel in one replicate; strand p G + g.
     """
     surfaces, aperture_sampler, block = (
         borrow_surfaces(surfaces),
-        borrow_aperture_sampler(aperture_sampler),
+        borrow_aperture_sampler(aim.aperture_sampler),
         borrow_block(block),
     )
-    packets, integers, pixels = borrow(work[0]), borrow(work[0].view(np.int32)), borrow(pixels)
-    first_packet, stride = work[0].ctypes.data, 4 * ROWS * LANES
-    valid, arguments = work[1].ctypes.data, work[1].ctypes.data + 64
+    packets, integers = borrow(traversal.packets), borrow(traversal.packets.view(np.int32))
+    projection, pixels = aim.projection, borrow(pixels)
+    first_packet, stride = traversal.packets.ctypes.data, 4 * ROWS * LANES
+    valid, arguments = traversal.query.ctypes.data, traversal.query.ctypes.data + 64
     group, strands = sums.shape[0], sums.shape[0] * sums.shape[1]
-    rays, tangents, seeds = borrow(work[2]), borrow(work[3]), borrow(work[4])
-    column_of, row_of, totals = borrow(work[5]), borrow(work[6]), borrow(work[7])[:strands]
+    rays, tangents, seeds = borrow(work[0]), borrow(work[1]), borrow(work[2])
+    column_of, row_of, totals = borrow(work[3]), borrow(work[4]), borrow(work[5])[:strands]
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
-    _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of)
+    _start_strands(aim, pixels, group, replicate, tangents, seeds, column_of, row_of)
     _fill_constants(packets, integers)
     for first in range(0, len(block.cells), cells):
         for k in range(cells):
@@ -103,7 +122,7 @@ def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels,
             begin, end = k * strands, (k + 1) * strands
             x, y, dx, dy = rays[0, begin:end], rays[1, begin:end], rays[2, begin:end], rays[3, begin:end]
             _square_points(block, 0, column_of[column], row_of[row], seeds[0], seeds[1], x, y)
-            if box:
+            if aim.box:
                 _square_points(block, 2, column_of[column], row_of[row], seeds[2], seeds[3], dx, dy)
             else:
                 dx[:], dy[:] = 0.5, 0.5
@@ -111,7 +130,7 @@ def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels,
             _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
-            call_address(packet, valid, scene, first_packet + k * stride, arguments)
+            call_address(traversal.packet, valid, traversal.scene, first_packet + k * stride, arguments)
         _gather(surfaces, integers, rays, cells, totals)
     for p in range(len(pixels)):
         for g in range(group):
@@ -120,17 +139,16 @@ def _trace(surfaces, scene, packet, projection, aperture_sampler, block, pixels,
 
 
 @inline
-def _start_strands(projection, pixels, group, start, tangents, seeds, column_of, row_of):
+def _start_strands(aim, pixels, group, replicate, tangents, seeds, column_of, row_of):
     """Draw every strand's scramble and note where it sends the columns and rows of lens cells."""
-    seed, replicate, shared = start
-    scale = 1.0 / projection.pixels_per_tangent
+    projection, scale = aim.projection, 1.0 / aim.projection.pixels_per_tangent
     for p in range(len(pixels)):
-        identity = 0 if shared else pixels[p, 1] * projection.width + pixels[p, 0]
+        identity = 0 if aim.shared else pixels[p, 1] * projection.width + pixels[p, 0]
         for g in range(group):
             s = p * group + g
             tangents[0, s] = (pixels[p, 0] - 0.5 * projection.width) * scale
             tangents[1, s] = (0.5 * projection.height - pixels[p, 1]) * scale
-            state = scramble_state(seed, replicate + g, identity)
+            state = scramble_state(aim.seed, replicate + g, identity)
             for k in range(4):
                 seeds[k, s] = axis_seed(state, k)
             _invert_cells(column_of, s, seeds[0, s])

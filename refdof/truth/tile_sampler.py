@@ -15,7 +15,7 @@ from refdof.optics.owen_sobol import block_of
 from refdof.raster.rays.embree import new_packets, new_query
 from refdof.truth.emitters import first_samples
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
-from refdof.truth.lens_rays import tile_order, trace_block
+from refdof.truth.lens_rays import Aim, Traversal, tile_order, trace_block
 from refdof.view import View
 
 __all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "power_of_two"]
@@ -55,9 +55,10 @@ class TileSampler:
         self.width, self.height = view.camera.size
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
-        self._seed, self._box, self._shared = np.uint32(seed), box, shared_pattern
-        self._surfaces, self._tracer, self._projection = view.surfaces(), view.tracer(), view.projection()
-        self._aperture_sampler = aperture_sampler_of(view.lens.aperture)
+        self._surfaces, self._tracer = view.surfaces(), view.tracer()
+        self._aim = Aim(
+            view.projection(), aperture_sampler_of(view.lens.aperture), np.uint32(seed), shared_pattern, box
+        )
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:
@@ -93,12 +94,11 @@ class TileSampler:
     def _trace(self, pixels: Index, start: int, count: int) -> Any:
         """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
         sums = np.zeros((self.replicates, len(pixels), 3))
-        packets, query = new_packets(_PACKETS), new_query(coherent=True)
+        tracer, query, packets = self._tracer, new_query(coherent=True), new_packets(_PACKETS)
         block = block_of(start, count.bit_length() - 1)
         trace_block(
-            self._surfaces, self._tracer.scene, self._tracer.packet, query, self._projection, self._aperture_sampler,
-            block, pixels, self._seed, self._shared, self._box, packets, sums,
-        )  # fmt: skip
+            self._surfaces, Traversal(tracer.scene, tracer.packet, query, packets), self._aim, block, pixels, sums
+        )
         return sums
 
 

@@ -62,10 +62,11 @@ def _convolve_rows(planes, taps, clamp, out):
             target[x] = weight[0] * middle[x]
         for k in range(1, reach - 2, 4):
             _add_four_pairs(
-                row[reach - k :], row[reach + k :], row[reach - k - 1 :], row[reach + k + 1 :],
-                row[reach - k - 2 :], row[reach + k + 2 :], row[reach - k - 3 :], row[reach + k + 3 :],
-                weight[k], weight[k + 1], weight[k + 2], weight[k + 3], target,
-            )  # fmt: skip
+                (row[reach - k :], row[reach - k - 1 :], row[reach - k - 2 :], row[reach - k - 3 :]),
+                (row[reach + k :], row[reach + k + 1 :], row[reach + k + 2 :], row[reach + k + 3 :]),
+                (weight[k], weight[k + 1], weight[k + 2], weight[k + 3]),
+                target,
+            )
         for k in range(1 + reach // 4 * 4, reach + 1):
             _add_pair(row[reach - k :], row[reach + k :], weight[k], target)
 
@@ -88,12 +89,11 @@ def _convolve_columns(planes, taps, clamp, out):
         last = min(reach, max(y, height - 1 - y))
         for k in range(1, last - 2, 4):
             _add_four_pairs(
-                _row(source, y - k, above, below), _row(source, y + k, above, below),
-                _row(source, y - k - 1, above, below), _row(source, y + k + 1, above, below),
-                _row(source, y - k - 2, above, below), _row(source, y + k + 2, above, below),
-                _row(source, y - k - 3, above, below), _row(source, y + k + 3, above, below),
-                weight[k], weight[k + 1], weight[k + 2], weight[k + 3], target,
-            )  # fmt: skip
+                _four_rows(source, y - k, -1, above, below),
+                _four_rows(source, y + k, 1, above, below),
+                (weight[k], weight[k + 1], weight[k + 2], weight[k + 3]),
+                target,
+            )
         for k in range(1 + last // 4 * 4, last + 1):
             _add_pair(_row(source, y - k, above, below), _row(source, y + k, above, below), weight[k], target)
         if clamp and last < reach:
@@ -109,6 +109,17 @@ def _row(plane, y, above, below):
 
 
 @inline
+def _four_rows(plane, y, step, above, below):
+    """Rows y, y + step and so on."""
+    return (
+        _row(plane, y, above, below),
+        _row(plane, y + step, above, below),
+        _row(plane, y + 2 * step, above, below),
+        _row(plane, y + 3 * step, above, below),
+    )
+
+
+@inline
 def _add_pair(a, b, weight, out):
     """Out += weight (a + b)."""
     for x in range(len(out)):
@@ -116,8 +127,9 @@ def _add_pair(a, b, weight, out):
 
 
 @inline
-def _add_four_pairs(a0, b0, a1, b1, a2, b2, a3, b3, w0, w1, w2, w3, out):
+def _add_four_pairs(before, after, weights, out):
     """Four times `_add_pair` with one read and one write of `out`."""
+    (a0, a1, a2, a3), (b0, b1, b2, b3), (w0, w1, w2, w3) = before, after, weights
     for x in range(len(out)):
         near = w0 * (a0[x] + b0[x]) + w1 * (a1[x] + b1[x])
         far = w2 * (a2[x] + b2[x]) + w3 * (a3[x] + b3[x])

@@ -26,26 +26,26 @@ _MARGIN = 0.01  # px: the walk may round a ray's place across a texel's border
 
 
 @inline
-def narrow(lowest, highest, block, size, rays, stride, center, near, far, extension, iterations):
-    """Cut [far, near] to where the rays of one pixel can hit: returns near and far, near < far if nowhere.
+def narrow(stack, group, rays, stride, center, near, far, iterations):
+    """Cut [far, near] to where the rays of one pixel can hit a group of layers: near and far, near < far if nowhere.
 
-    lowest, highest (L, h, w) and block are an N-buffer of u; size is (width, height) [px]; rays (4, N) are ax, ay, wx,
-    wy. A surface is met down to `extension` below it. stride 0 takes the closed form of a thin lens, center = (x, y,
-    u of the focal plane); else every stride-th ray is bounded.
+    stack is a `refdof.raster.layer_trace.Stack` with N-buffers of u. rays (4, N) are ax, ay, wx, wy. stride 0 takes the
+    closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray is bounded.
     """
-    scalar = lowest.dtype.type
+    lowest, highest, block = stack.lowest[group], stack.highest[group], stack.block
+    height, width, scalar = stack.packs.shape[1], stack.packs.shape[2], lowest.dtype.type
     for _ in range(iterations):
         if stride == 0:
             x0, y0, x1, y1 = thin_lens_bounds(center[0], center[1], center[2], near, far)
         else:
             x0, y0, x1, y1 = ray_bounds(rays, stride, near, far)
-        left, top = _texel(x0 - scalar(_MARGIN), size[0]), _texel(y0 - scalar(_MARGIN), size[1])
-        right, bottom = _texel(x1 + scalar(_MARGIN), size[0]), _texel(y1 + scalar(_MARGIN), size[1])
+        left, top = _texel(x0 - scalar(_MARGIN), width), _texel(y0 - scalar(_MARGIN), height)
+        right, bottom = _texel(x1 + scalar(_MARGIN), width), _texel(y1 + scalar(_MARGIN), height)
         low = lowest_in(lowest, block, left, top, right, bottom, False)
         high = highest_in(highest, block, left, top, right, bottom, False)
         if low > high:
             return scalar(-1.0), scalar(0.0)
-        new_far, new_near = max(far, low - extension), min(near, high)
+        new_far, new_near = max(far, low - stack.extension), min(near, high)
         if new_far == far and new_near == near:
             break
         far, near = new_far, new_near

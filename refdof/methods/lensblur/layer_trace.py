@@ -19,14 +19,14 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
-from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, neighbours, pack_layers
+from refdof.methods.lensblur.texel_walk import PACK, Hit, Ray, enter_picture, first_hit, neighbours, pack_layers
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
 from refdof.raster.filters.n_buffer import n_buffer
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["MISSES", "Stack", "Traced", "new_stack", "trace_layers"]
+__all__ = ["MISSES", "Choices", "Stack", "Traced", "new_stack", "trace_layers"]
 
 MISSES = ("renormalise", "black", "pinhole")
 _RENORMALISE, _BLACK, _PINHOLE = range(3)
@@ -47,6 +47,31 @@ class Stack(NamedTuple):
     block: int
     extension: float
     last: int
+
+
+class Choices(NamedTuple):
+    """How to trace: stride and iterations of `narrow`; misses, one of `MISSES`; whether to read values bilinearly."""
+
+    stride: int = 0
+    iterations: int = 3
+    misses: str = "renormalise"
+    linear: bool = False
+
+
+class _Lens(NamedTuple):
+    """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
+    `LensPattern`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
+    """
+
+    points: Float
+    weights: Float
+    sets: Any
+    focus: float
+    top: Float
+    stride: int
+    iterations: int
+    misses: int
+    linear: bool
 
 
 class Traced(NamedTuple):
@@ -79,11 +104,7 @@ def trace_layers(
     focus: float,
     pattern: LensPattern,
     pinhole: Float,
-    *,
-    stride: int = 0,
-    iterations: int = 3,
-    misses: str = "renormalise",
-    linear: bool = False,
+    choices: Choices = Choices(),
 ) -> Traced:
     """Trace a thin lens's rays.
 
@@ -99,16 +120,12 @@ def trace_layers(
         The focal plane [px of parallax].
     pattern : LensPattern
     pinhole : (H, W, 3) float32
-        What missed rays see if `misses` is "pinhole", or if it is "renormalise" and none is left.
-    stride, iterations
-        Of `narrow`.
-    misses : one of `MISSES`
-    linear : bool
-        Read values bilinearly.
+        What missed rays see if misses are "pinhole", or if they are "renormalise" and no ray is left.
+    choices : Choices
     """
     groups, height, width, _ = stack.packs.shape
     dtype = stack.packs.dtype
-    lens = pattern.points * [1.0, -1.0]  # x right, y down
+    points = pattern.points * [1.0, -1.0]  # x right, y down
     traced = Traced(
         np.empty((height, width, 3), dtype=np.float32),
         np.empty((groups, height, width), dtype=dtype),
@@ -116,58 +133,49 @@ def trace_layers(
         np.empty((height, width), dtype=np.float32),
         np.empty((height, width), dtype=np.float32),
     )
-    lens, weights = lens.astype(dtype), pattern.weights
     scalar: Any = dtype.type
-    stack, center = stack._replace(extension=scalar(stack.extension)), scalar(focus)
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
-    how = stride, iterations, MISSES.index(misses), bool(linear)
+    shared = _Lens(
+        points.astype(dtype), pattern.weights, pattern.set, scalar(focus), top, choices.stride, choices.iterations,
+        MISSES.index(choices.misses), bool(choices.linear),
+    )  # fmt: skip
+    stack = stack._replace(extension=scalar(stack.extension))
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
-        _trace_rows(
-            stack,
-            values,
-            surfaces,
-            projection,
-            center,
-            lens,
-            weights,
-            pattern.set,
-            pinhole,
-            top,
-            how,
-            first,
-            last,
-            traced,
-        )
+        _trace_rows(stack, values, surfaces, projection, shared, pinhole, first, last, traced)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return traced
 
 
 @tile_kernel
-def _trace_rows(
-    stack, values, surfaces, projection, focus, lens, weights, sets, pinhole, top, how, first, last, traced
-):
-    """Trace rows first .. last - 1. lens (K, R, 2) and weights (K, R); top (G,): each pack's greatest parallax."""
-    packs, lowest, highest = borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest)
-    surfaces, values, lens, weights = borrow_surfaces(surfaces), borrow(values), borrow(lens), borrow(weights)
+def _trace_rows(stack, values, surfaces, projection, lens, pinhole, first, last, traced):
+    """Trace rows first .. last - 1."""
+    stack = Stack(
+        borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.block, stack.extension, stack.last
+    )
+    surfaces, values, points, weights = (
+        borrow_surfaces(surfaces),
+        borrow(values),
+        borrow(lens.points),
+        borrow(lens.weights),
+    )
+    packs, focus, sets, top, misses = stack.packs, lens.focus, lens.sets, lens.top, lens.misses
     scalar = packs.dtype.type
     groups, height, width = packs.shape[:3]
-    stride, iterations, misses, linear = how
-    rays = np.empty((4, lens.shape[1]), dtype=packs.dtype)
+    rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
     near, far = np.empty(groups, dtype=packs.dtype), np.empty(groups, dtype=packs.dtype)
     for y in range(first, last):
         for x in range(width):
             chosen = sets[y % len(sets), x % len(sets)]
             center = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5), focus
-            _aim_thin_lens(lens[chosen], center, rays)
+            _aim_thin_lens(points[chosen], center, rays)
             inside = _all_inside(rays, max(top.max(), scalar(0.0)), width, height)
             for group in range(groups):
                 near[group], far[group] = narrow(
-                    lowest[group], highest[group], stack.block, (width, height), rays, stride, center,
-                    top[group], scalar(0.0), stack.extension, iterations,
-                )  # fmt: skip
+                    stack, group, rays, lens.stride, center, top[group], scalar(0.0), lens.iterations
+                )
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
             red = green = blue = 0.0
@@ -175,10 +183,8 @@ def _trace_rows(
                 weight = weights[chosen, n]
                 if weight == 0.0:
                     continue
-                ax, ay, wx, wy = rays[0, n], rays[1, n], rays[2, n], rays[3, n]
-                layer, at_x, at_y, u, walked = _hit(
-                    packs, ax, ay, wx, wy, near, far, stack.extension, stack.last, inside
-                )
+                ray = Ray(rays[0, n], rays[1, n], rays[2, n], rays[3, n])
+                layer, at_x, at_y, u, walked = _hit(stack, ray, near, far, inside)
                 steps += walked
                 if layer == _MISS:
                     missed += weight
@@ -186,10 +192,8 @@ def _trace_rows(
                 if layer == _BACKGROUND:
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
-                    right, down = ax + u * wx - scalar(at_x) - scalar(0.5), ay + u * wy - scalar(at_y) - scalar(0.5)
-                    r, g, b = _hit_color(
-                        surfaces, projection, packs, values, linear, layer, at_x, at_y, right, down, ax, ay
-                    )
+                    hit = Hit(layer, at_x, at_y, u)
+                    r, g, b = _hit_color(surfaces, projection, packs, values, lens.linear, hit, ray)
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
                 red += missed * pinhole[y, x, 0]
@@ -219,18 +223,18 @@ def _all_inside(rays, near, width, height):
 
 
 @inline
-def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
+def _hit(stack, ray, near, far, inside):
     """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
-    scalar = packs.dtype.type
+    packs, last, scalar = stack.packs, stack.last, stack.packs.dtype.type
     height, width = packs.shape[1], packs.shape[2]
     border = scalar(np.inf)
     if not inside:
-        border = enter_picture(width, height, ax, ay, wx, wy)
+        border = enter_picture(width, height, ray)
         if border < 0.0:
             return _MISS, 0, 0, border, 0
         if border < np.inf:
-            x = int(min(max(ax + border * wx, scalar(0.0)), scalar(width - 1)))
-            y = int(min(max(ay + border * wy, scalar(0.0)), scalar(height - 1)))
+            x = int(min(max(ray.ax + border * ray.wx, scalar(0.0)), scalar(width - 1)))
+            y = int(min(max(ray.ay + border * ray.wy, scalar(0.0)), scalar(height - 1)))
             if packs[0, y, x, 0] > border:
                 return _MISS, 0, 0, border, 0
     layer, x, y, best, steps = _BACKGROUND, 0, 0, scalar(-1.0), 0
@@ -238,24 +242,27 @@ def _hit(packs, ax, ay, wx, wy, near, far, extension, last, inside):
         begin, end = min(near[group], border), max(far[group], best)
         if begin < end:
             continue
-        slot, at_x, at_y, u, walked = first_hit(packs, group, ax, ay, wx, wy, begin, end, extension)
+        slot, at_x, at_y, u, walked = first_hit(packs, group, ray, begin, end, stack.extension)
         steps += walked
         if slot >= 0 and u > best:
             layer, x, y, best = group * PACK + slot, at_x, at_y, u
     if layer == _BACKGROUND and not (inside and last < 0):
-        if not (0.0 <= ax < width and 0.0 <= ay < height):
+        if not (0.0 <= ray.ax < width and 0.0 <= ray.ay < height):
             return _MISS, 0, 0, best, steps
-        if last >= 0 and packs[last // PACK, int(ay), int(ax), last % PACK] > 0.0:
+        if last >= 0 and packs[last // PACK, int(ray.ay), int(ray.ax), last % PACK] > 0.0:
             return _MISS, 0, 0, best, steps
     return layer, x, y, best, steps
 
 
 @inline
-def _hit_color(surfaces, projection, packs, values, linear, layer, x, y, right, down, ax, ay):
-    """Linear RGB at (right, down) from the centre of a sample's texel, for the ray that ends at (ax, ay)."""
-    r, g, b = _radiance(surfaces, projection, values, layer, x, y, ax, ay)
+def _hit_color(surfaces, projection, packs, values, linear, hit, ray):
+    """Linear RGB of what a ray meets."""
+    ax, ay, scalar = ray.ax, ray.ay, packs.dtype.type
+    r, g, b = _radiance(surfaces, projection, values, hit.layer, hit.x, hit.y, ax, ay)
     if linear:
-        across, along, corner, fx, fy = neighbours(packs, layer, x, y, right, down)
+        right = ax + hit.u * ray.wx - scalar(hit.x) - scalar(0.5)
+        down = ay + hit.u * ray.wy - scalar(hit.y) - scalar(0.5)
+        across, along, corner, fx, fy = neighbours(packs, hit, right, down)
         r1, g1, b1 = _radiance(surfaces, projection, values, *across, ax, ay)
         r2, g2, b2 = _radiance(surfaces, projection, values, *along, ax, ay)
         r3, g3, b3 = _radiance(surfaces, projection, values, *corner, ax, ay)

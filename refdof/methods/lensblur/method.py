@@ -42,7 +42,7 @@ import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
-from refdof.methods.lensblur.layer_trace import MISSES, Stack, new_stack, trace_layers
+from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, new_stack, trace_layers
 from refdof.optics.lens_samples import PATTERNS
 from refdof.optics.pixel_samples import JITTERS, lens_pattern
 from refdof.raster.rays.exact_layers import Layers
@@ -165,10 +165,7 @@ def render(view: View, params: Params, trace: StageRecorder) -> Float:
         float(_parallax(view, view.lens.focus_distance)),
         pattern,
         pinhole,
-        stride=FOOTPRINTS[footprint],
-        iterations=params.iterations,
-        misses=params.misses,
-        linear=params.filter == "linear",
+        Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear"),
     )
     trace.record("parallax", lambda: _parallax_of_layers(view, layers))
     trace.record("layer_count", lambda: view.surface_counts(extent))

@@ -27,16 +27,35 @@ References
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from refdof._check import Float
 from refdof._jit import inline
 
-__all__ = ["PACK", "enter_picture", "first_hit", "neighbours", "pack_layers"]
+__all__ = ["PACK", "Hit", "Ray", "enter_picture", "first_hit", "neighbours", "pack_layers"]
 
 PACK = 4  # [1]: four depths are one RGBA texel
 _SAME_SURFACE = 0.5  # px of parallax between neighbouring texels of one surface
+
+
+class Ray(NamedTuple):
+    """At parallax u the ray is over (ax + u wx, ay + u wy) [px]."""
+
+    ax: float
+    ay: float
+    wx: float
+    wy: float
+
+
+class Hit(NamedTuple):
+    """The sample of a layer at texel (x, y) that a ray meets at parallax u."""
+
+    layer: int
+    x: int
+    y: int
+    u: float
 
 
 def pack_layers(parallax: Float) -> Float:
@@ -49,13 +68,13 @@ def pack_layers(parallax: Float) -> Float:
 
 
 @inline
-def enter_picture(width, height, ax, ay, wx, wy):
+def enter_picture(width, height, ray):
     """The parallax at which a ray comes into the picture: inf if it starts there, -inf if it never does."""
-    scalar = type(ax)
+    scalar = type(ray.ax)
     near = scalar(np.inf)
     far = scalar(0.0)
-    near, far = _cut(scalar(width), ax, wx, near, far)
-    near, far = _cut(scalar(height), ay, wy, near, far)
+    near, far = _cut(scalar(width), ray.ax, ray.wx, near, far)
+    near, far = _cut(scalar(height), ray.ay, ray.wy, near, far)
     return near if near >= far else scalar(-np.inf)
 
 
@@ -69,19 +88,21 @@ def _cut(size, a, w, near, far):
 
 
 @inline
-def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
+def first_hit(packs, group, ray, near, far, extension):
     """The first sample of one pack that a ray meets: slot (-1: none), x, y, u, and the texels walked.
 
     packs (G, H, W, 4). The ray is inside the picture at u = near. `far` may cut the walk short: what lies below is not
     looked for.
     """
-    scalar = type(ax)
+    scalar, ax, ay = type(ray.ax), ray.ax, ray.ay
     pack = packs[group]
     height, width = pack.shape[0], pack.shape[1]
-    x, step_x, inverse_x = _start(ax, wx, near, width)
-    y, step_y, inverse_y = _start(ay, wy, near, height)
-    # From the texel's corner to its exit.
-    ahead_x, ahead_y = scalar(0.5) * scalar(1 + step_x), scalar(0.5) * scalar(1 + step_y)
+    x, step_x, inverse_x = _start(ax, ray.wx, near, width)
+    y, step_y, inverse_y = _start(ay, ray.wy, near, height)
+    ahead_x, ahead_y = (
+        scalar(0.5) * scalar(1 + step_x),
+        scalar(0.5) * scalar(1 + step_y),
+    )  # from the texel's corner to its exit
     enter, steps, last_x, last_y = near, 0, x, y
     while True:
         steps += 1
@@ -145,12 +166,13 @@ def _start(a, w, near, size):
 
 
 @inline
-def neighbours(packs, layer, x, y, right, down):
+def neighbours(packs, hit, right, down):
     """Where to read bilinearly: for the texel across, along and both ways (layer, x, y), and the weights fx, fy.
 
     packs (G, H, W, 4). (right, down) is the hit's place from the texel's centre [px]. Only samples of the same surface
     count; where a texel has none, the hit one stands in.
     """
+    layer, x, y, _ = hit
     scalar = type(right)
     side_x = min(max(x + (1 if right > 0.0 else -1), 0), packs.shape[2] - 1)
     side_y = min(max(y + (1 if down > 0.0 else -1), 0), packs.shape[1] - 1)

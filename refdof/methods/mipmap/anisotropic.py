@@ -47,6 +47,16 @@ class Chain(NamedTuple):
         return self.texels[first : first + height * width].reshape(height, width, -1)
 
 
+class Columns(NamedTuple):
+    """Of a coarse level's w columns: places (4, w) of finer texels, their weights (4, w), right (w,): the weight of the
+    second texel of a tap.
+    """
+
+    places: Index
+    weights: Float
+    right: Float
+
+
 def depth_of_chain(width: int, height: int) -> int:
     """The level at which a picture is a single texel."""
     return max(width, height).bit_length() - 1
@@ -101,21 +111,21 @@ def _begin(color, coc, colors, circles):
 
 @kernel
 def _downsample(color, circles, delta, shares, coarse_color, coarse_circles):
-    columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
+    columns = _columns(circles.shape[1], coarse_circles.shape[1], shares)
     for y in prange(len(coarse_circles)):
-        _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+        _downsample_row(y, color, circles, columns, delta, shares, coarse_color, coarse_circles)
 
 
 @tile_kernel
 def _downsample_small(color, circles, delta, shares, coarse_color, coarse_circles):
-    columns, along, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
+    columns = _columns(circles.shape[1], coarse_circles.shape[1], shares)
     for y in range(len(coarse_circles)):
-        _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles)
+        _downsample_row(y, color, circles, columns, delta, shares, coarse_color, coarse_circles)
 
 
 @inline
 def _columns(fine, coarse, shares):
-    """Four finer texels of each coarse one, their weights (4, w), and the weight of a tap's second texel (w,)."""
+    """`Columns` of a coarse level's w columns."""
     columns, along = np.empty((4, coarse), dtype=np.int64), np.empty((4, coarse), dtype=shares.dtype)
     right = np.empty(coarse, dtype=shares.dtype)
     for x in range(coarse):
@@ -123,19 +133,14 @@ def _columns(fine, coarse, shares):
         along[0, x], along[1, x], along[2, x], along[3, x] = _four(shares[0], shares[1], shares[2], right[x])
         for i in range(4):
             columns[i, x] = _inside(column - 1 + i, fine)
-    return columns, along, right
+    return Columns(columns, along, right)
 
 
 @inline
-def _downsample_row(y, color, circles, columns, along, right, delta, shares, coarse_color, coarse_circles):
+def _downsample_row(y, color, circles, columns, delta, shares, coarse_color, coarse_circles):
     """Four rows are weighed into one, then its columns; or 16 texels where some are left out."""
-    colors, sizes, places, weights, rights = (
-        borrow(color),
-        borrow(circles),
-        borrow(columns),
-        borrow(along),
-        borrow(right),
-    )
+    colors, sizes = borrow(color), borrow(circles)
+    places, weights, rights = borrow(columns.places), borrow(columns.weights), borrow(columns.right)
     height, (fine_height, fine_width) = coarse_circles.shape[0], circles.shape[:2]
     all_texels = colors.reshape(fine_height * fine_width, 4)
     scalar = circles.dtype.type
@@ -168,9 +173,7 @@ def _downsample_row(y, color, circles, columns, along, right, delta, shares, coa
         behind = centre[q, 0] + (centre[r, 0] - centre[q, 0]) * w > zero
         sharpest = min(min(least[p], least[q]), min(least[r], least[s]))
         if behind and blurred > sharpest + delta:
-            red, green, blue = _without_sharper(
-                all_texels, sizes, rows, (p, q, r, s), w, h, shares, blurred, delta, fine_width
-            )
+            red, green, blue = _without_sharper(all_texels, sizes, rows, (p, q, r, s), w, h, shares, blurred, delta)
         else:
             red, green, blue, _ = weigh_texels(line, (p, q, r, s), (e, f, g, k))  # Eq. (1)
         coarse_color[y, x, 0], coarse_color[y, x, 1] = red, green
@@ -178,11 +181,12 @@ def _downsample_row(y, color, circles, columns, along, right, delta, shares, coa
 
 
 @inline
-def _without_sharper(texels, circles, rows, columns, w, h, shares, blurred, delta, width):
+def _without_sharper(texels, circles, rows, columns, w, h, shares, blurred, delta):
     """Equation (9): the taps that are no sharper than the centre, as weights of their 16 texels."""
-    first = _taps(circles, rows[0], rows[1], columns, w, h, shares[0], shares, blurred, delta)
-    second = _taps(circles, rows[1], rows[2], columns, w, h, shares[1], shares, blurred, delta)
-    third = _taps(circles, rows[2], rows[3], columns, w, h, shares[2], shares, blurred, delta)
+    width = circles.shape[1]
+    first = _taps(circles[rows[0]], circles[rows[1]], columns, w, h, shares[0], shares, blurred, delta)
+    second = _taps(circles[rows[1]], circles[rows[2]], columns, w, h, shares[1], shares, blurred, delta)
+    third = _taps(circles[rows[2]], circles[rows[3]], columns, w, h, shares[2], shares, blurred, delta)
     a, b, c, d = _four(first[0], second[0], third[0], h)
     e, f, g, k = _four(first[1], second[1], third[1], h)
     m, n, o, p = _four(first[2], second[2], third[2], h)
@@ -202,13 +206,13 @@ def _without_sharper(texels, circles, rows, columns, w, h, shares, blurred, delt
 
 
 @inline
-def _taps(circles, top, bottom, columns, w, h, weight, shares, blurred, delta):
+def _taps(top, bottom, columns, w, h, weight, shares, blurred, delta):
     """Weights of four columns in a row of three taps, without those that are sharper, and the sum of the taps'."""
     zero = type(w)(0)
-    p = circles[top, columns[0], 1] + (circles[bottom, columns[0], 1] - circles[top, columns[0], 1]) * h
-    q = circles[top, columns[1], 1] + (circles[bottom, columns[1], 1] - circles[top, columns[1], 1]) * h
-    r = circles[top, columns[2], 1] + (circles[bottom, columns[2], 1] - circles[top, columns[2], 1]) * h
-    s = circles[top, columns[3], 1] + (circles[bottom, columns[3], 1] - circles[top, columns[3], 1]) * h
+    p = top[columns[0], 1] + (bottom[columns[0], 1] - top[columns[0], 1]) * h
+    q = top[columns[1], 1] + (bottom[columns[1], 1] - top[columns[1], 1]) * h
+    r = top[columns[2], 1] + (bottom[columns[2], 1] - top[columns[2], 1]) * h
+    s = top[columns[3], 1] + (bottom[columns[3], 1] - top[columns[3], 1]) * h
     a = zero if blurred > p + (q - p) * w + delta else weight * shares[0]
     b = zero if blurred > q + (r - q) * w + delta else weight * shares[1]
     c = zero if blurred > r + (s - r) * w + delta else weight * shares[2]

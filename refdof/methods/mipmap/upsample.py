@@ -9,7 +9,7 @@ References
    IEEE Transactions on Visualization and Computer Graphics 15(3), equations (5) to (8) and (11).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,10 +45,9 @@ def smooth_blur(circles: Chain, nearer: Float, points: int) -> SmoothedBlur:
     """Equation (11): circles (T, 2), nearer (h, w) at the last level; no `points`: blur stays as it is."""
     dtype = circles.texels.dtype
     weights = _GAUSSIAN[: max(points, 1)] / _GAUSSIAN[: max(points, 1)].sum()
-    tables = (*_tables(circles), nearer, _OFFSETS.astype(dtype), _COLUMN, _ROW, weights.astype(dtype))
     shape = (int(circles.heights[0]), int(circles.widths[0]))
     blur = SmoothedBlur(*np.empty((3, *shape), dtype=dtype))
-    _smooth(circles.texels, *tables, *blur)
+    _smooth(circles, _scales(circles), nearer, weights.astype(dtype), blur)
     return blur
 
 
@@ -56,54 +55,63 @@ def upsample(colors: Chain, blur: SmoothedBlur, geometric: bool) -> Float:
     """Equation (8): colors (T, 4) -> (H, W, 3)."""
     dtype = colors.texels.dtype
     weights = (_GAUSSIAN / _GAUSSIAN.sum()).astype(dtype)
-    tables = _tables(colors)
     if geometric:
-        return _upsample_geometric(colors.texels, *tables, blur.smoothed, blur.levels, CIRCLE.astype(dtype), weights)
+        return _upsample_geometric(colors, _scales(colors), blur, CIRCLE.astype(dtype), weights)
     out = np.empty((*blur.smoothed.shape, 3), dtype=dtype)
-    _upsample(colors.texels, *tables, blur.smoothed, blur.levels, weights, out)
+    _upsample(colors, _scales(colors), blur, weights, out)
     return out
 
 
-def _tables(chain: Chain) -> tuple[Any, Any, Any, Float, Float]:
-    """Starts, heights and widths of the levels, and their texels per pixel of the picture down and right."""
-    down, right = ((sides / sides[0]).astype(chain.texels.dtype) for sides in (chain.heights, chain.widths))
-    return chain.starts, chain.heights, chain.widths, down, right
+class _Scales(NamedTuple):
+    """Texels of each level per pixel of the picture, (L,) each."""
+
+    down: Float
+    right: Float
+
+
+def _scales(chain: Chain) -> _Scales:
+    dtype = chain.texels.dtype
+    return _Scales(*((sides / sides[0]).astype(dtype) for sides in (chain.heights, chain.widths)))
 
 
 @kernel
-def _smooth(circles, starts, heights, widths, down, right, nearer, offsets, column, row, weights, rhos, sigmas, levels):
-    """Fill blur of nearer neighbours, smoothed degree of blur and continuous level: (H, W) each.
+def _smooth(circles, scales, nearer, weights, blur):
+    """Fill `blur`.
 
     Points in one column share where they read: their rows are weighted and added before the row's pixels are met.
     """
+    starts, heights, widths, down, right = circles.starts, circles.heights, circles.widths, scales.down, scales.right
     height, width, last = heights[0], widths[0], len(starts) - 1
-    scalar = circles.dtype.type
+    scalar = circles.texels.dtype.type
     reach, half = scalar(2.0**last), scalar(0.5)
     left, beside = np.empty((5, width), dtype=np.uint32), np.empty((5, width), dtype=np.uint32)
-    across = np.empty((5, width), dtype=circles.dtype)
+    across = np.empty((5, width), dtype=circles.texels.dtype)
     for i in range(5):
         for x in range(width):
-            place = (scalar(x) + half + offsets[i] * reach) * right[last]
+            place = (scalar(x) + half + scalar(_OFFSETS[i]) * reach) * right[last]
             left[i, x], beside[i, x], across[i, x] = texels_around(place, nearer.shape[1])
     texel, aside = np.empty((last + 1, width), dtype=np.uint32), np.empty((last + 1, width), dtype=np.uint32)
-    share = np.empty((last + 1, width), dtype=circles.dtype)
+    share = np.empty((last + 1, width), dtype=circles.texels.dtype)
     for k in range(last + 1):
         for x in range(width):
             texel[k, x], aside[k, x], share[k, x] = texels_around((scalar(x) + half) * right[k], widths[k])
     for y in prange(height):
-        texels, front = borrow(circles), borrow(nearer)
+        texels, front = borrow(circles.texels), borrow(nearer)
         firsts, seconds, shares = borrow(texel), borrow(aside), borrow(share)
-        sums, rho, sigma, lod = np.zeros((5, front.shape[1]), dtype=circles.dtype), rhos[y], sigmas[y], levels[y]
+        sums = np.zeros((5, front.shape[1]), dtype=circles.texels.dtype)
+        rho, sigma, lod = blur.neighbours[y], blur.smoothed[y], blur.levels[y]
         rho[:] = scalar(0)
         for k in range(len(weights) if len(weights) > 1 else 0):
-            v, v1, wy = texels_around((scalar(y) + half + offsets[row[k]] * reach) * down[last], front.shape[0])
+            v, v1, wy = texels_around(
+                (scalar(y) + half + scalar(_OFFSETS[_ROW[k]]) * reach) * down[last], front.shape[0]
+            )
             for x in range(front.shape[1]):
-                sums[column[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
+                sums[_COLUMN[k], x] += weights[k] * (front[v, x] + (front[v1, x] - front[v, x]) * wy)
         for i in range(5):
             if sums[i].any():
                 _add_line(rho, sums[i], left[i], beside[i], across[i])
         top, bottom = np.empty(last + 1, dtype=np.int64), np.empty(last + 1, dtype=np.int64)
-        sink = np.empty(last + 1, dtype=circles.dtype)
+        sink = np.empty(last + 1, dtype=circles.texels.dtype)
         for k in range(last + 1):
             first, second, sink[k] = texels_around((scalar(y) + half) * down[k], heights[k])
             top[k], bottom[k] = starts[k] + first * widths[k], starts[k] + second * widths[k]
@@ -152,21 +160,16 @@ def _levels_of(sigmas, largest, out):
 
 
 @kernel
-def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, weights, out):
+def _upsample(colors, scales, blur, weights, out):
     """Nine weighted reads of two levels; the nine points lie in five columns and five rows."""
-    height, width, last = heights[0], widths[0], len(starts) - 1
-    scalar = colors.dtype.type
+    height, width, last = colors.heights[0], colors.widths[0], len(colors.starts) - 1
+    scalar = colors.texels.dtype.type
     widest = scalar(2.0**last)
     for y in prange(height):
-        texels, sizes, lods = borrow(colors), borrow(smoothed), borrow(levels)
+        texels, sizes, lods = borrow(colors.texels), borrow(blur.smoothed), borrow(blur.levels)
         shares = (weights[0], weights[1], weights[5])
-        begin, tall, broad, downward, rightward = (
-            borrow(starts),
-            borrow(heights),
-            borrow(widths),
-            borrow(down),
-            borrow(right),
-        )
+        begin, tall, broad = borrow(colors.starts), borrow(colors.heights), borrow(colors.widths)
+        downward, rightward = borrow(scales.down), borrow(scales.right)
         for x in range(width):
             m = lods[y, x]
             if m <= scalar(0):
@@ -191,16 +194,16 @@ def _upsample(colors, starts, heights, widths, down, right, smoothed, levels, we
 
 
 @kernel
-def _upsample_geometric(colors, starts, heights, widths, down, right, smoothed, levels, circle, weights):
+def _upsample_geometric(colors, scales, blur, circle, weights):
     """The same with the blend of levels that [1] prints: a^(1 - beta) b^beta at each point."""
-    height, width, last = heights[0], widths[0], len(starts) - 1
-    scalar = colors.dtype.type
+    height, width, last = colors.heights[0], colors.widths[0], len(colors.starts) - 1
+    scalar = colors.texels.dtype.type
     widest = scalar(2.0**last)
-    out = np.zeros((height, width, 3), dtype=colors.dtype)
+    out = np.zeros((height, width, 3), dtype=colors.texels.dtype)
     for y in prange(height):
-        texels, sizes = borrow(colors), borrow(smoothed)
+        texels, sizes = borrow(colors.texels), borrow(blur.smoothed)
         for x in range(width):
-            m = levels[y, x]
+            m = blur.levels[y, x]
             if m <= scalar(0):
                 for c in range(3):
                     out[y, x, c] = texels[y * width + x, c]
@@ -208,9 +211,9 @@ def _upsample_geometric(colors, starts, heights, widths, down, right, smoothed, 
             radius, level, beta = _circle_of(m, sizes[y, x], last, widest)
             for k in range(9):
                 u, v = scalar(x) + scalar(0.5) + circle[k, 0] * radius, scalar(y) + scalar(0.5) + circle[k, 1] * radius
-                fine = _color_at(texels, starts, heights, widths, down, right, level, u, v)
+                fine = _color_at(texels, colors, scales, level, u, v)
                 if beta > scalar(0):
-                    coarse = _color_at(texels, starts, heights, widths, down, right, level + 1, u, v)
+                    coarse = _color_at(texels, colors, scales, level + 1, u, v)
                     for c in range(3):
                         out[y, x, c] += weights[k] * _power(fine[c], coarse[c], beta)
                 else:
@@ -260,11 +263,12 @@ def _power(a, b, beta):
 
 
 @inline
-def _color_at(texels, starts, heights, widths, down, right, level, u, v):
+def _color_at(texels, chain, scales, level, u, v):
     """A bilinear read of one level at u, v [px of the picture]: a tuple of three."""
-    x, x1, wx = texels_around(u * right[level], widths[level])
-    y, y1, wy = texels_around(v * down[level], heights[level])
-    first, second = starts[level] + y * widths[level], starts[level] + y1 * widths[level]
+    x, x1, wx = texels_around(u * scales.right[level], chain.widths[level])
+    y, y1, wy = texels_around(v * scales.down[level], chain.heights[level])
+    first = chain.starts[level] + y * chain.widths[level]
+    second = chain.starts[level] + y1 * chain.widths[level]
     p, q, r, s = first + x, first + x1, second + x, second + x1
     return (
         _between(texels[p, 0], texels[q, 0], texels[r, 0], texels[s, 0], wx, wy),

@@ -24,40 +24,45 @@ _CLOSE = 1e-3  # [px]: roundings of float32 positions up to 8192, and of heights
 
 
 @inline
-def ray_is_ambiguous(fields, layers, count, border, px, py, vx, vy, search):
-    """Whether the ray at (px - c vx, py + c vy) is ambiguous in layers[:count], up to the one it surely hits."""
+def ray_is_ambiguous(fields, visited, ray, search):
+    """Whether a ray is ambiguous in the layers that its pixel visits, up to the one it surely hits."""
     height, width = fields.coc.shape[1], fields.coc.shape[2]
-    for place in range(count):
-        k = layers[place]
+    for place in range(visited.length):
+        k = visited.layers[place]
         if k < 0:
             k = ~k
-        elif border:
+        elif visited.border:
             near, far = fields.near[k], fields.far[k]
-            x0, x1, y0, y1 = px - near * vx, px - far * vx, py + near * vy, py + far * vy
+            x0, x1, y0, y1 = (
+                ray.px - near * ray.vx,
+                ray.px - far * ray.vx,
+                ray.py + near * ray.vy,
+                ray.py + far * ray.vy,
+            )
             inner = min(min(x0, x1), min(y0, y1), width - max(x0, x1), height - max(y0, y1))
             if abs(inner) < _CLOSE:
                 return True
             if inner < 0:
                 return False
-        ambiguous, hit = _in_layer(fields, k, px, py, vx, vy, search)
+        ambiguous, hit = _in_layer(fields, k, ray, search)
         if ambiguous or hit:
             return ambiguous
     return False
 
 
 @inline
-def _in_layer(fields, k, px, py, vx, vy, search):
+def _in_layer(fields, k, ray, search):
     """(ambiguous, hit) of one layer."""
     coc, solid = fields.coc, search.wall == np.inf
     enter, last = np.float64(fields.near[k]), np.float64(end_of(fields.far[k], search.wall))
     finest = max((last - enter) * 0.5**search.bisections, _CLOSE)
     deep = last - enter > _CLOSE
     rows, columns = coc.shape[1], coc.shape[2]
-    x, y = first_texel(px, py, vx, vy, fields.near[k], columns, rows)
+    x, y = first_texel(ray, fields.near[k], columns, rows)
     before_x, before_y, seen = -1, -1, np.inf
     blocked = hit = False
     while True:
-        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
+        leave, next_x, next_y = step(ray, x, y, last, columns, rows)
         i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
         height = np.float64(coc[k, j, i])
         if abs(height - leave) < _CLOSE and leave < last:

@@ -80,8 +80,7 @@ def decompose(
     spacing: float = 3.0,
     count: int | None = None,
     overlap: float = 0.1,
-    near: float | None = None,
-    far: float | None = None,
+    depths: tuple[float | None, float | None] = (None, None),
     texel_bytes: int = _BYTES_PER_TEXEL,
 ) -> tuple[Decomposition, Sources]:
     """Decompose triangles into layers.
@@ -98,16 +97,17 @@ def decompose(
         This many layers instead, at equal spacing.
     overlap : float
         Share of the spacing by which a layer reaches past each of its bounds, 0 .. 0.5.
-    near, far : float, optional
-        Planar depths [scene units] outside which nothing is drawn; None: the scene's own.
+    depths : (float or None, float or None)
+        Near and far plane [scene units], outside which nothing is drawn; None: the scene's own.
     texel_bytes : int
         What will be stored for each texel of a layer, to tell early whether it fits.
 
     Raises
     ------
     InputError
-        If `near` or `far` is given and nothing lies between them, or the layers would not fit into memory.
+        If `depths` are given and nothing lies between them, or the layers would not fit into memory.
     """
+    near, far = depths
     nearest, farthest = _depth_range(vertices, faces, camera, near, far)
     if not (nearest < np.inf and nearest <= farthest):
         return _nothing(camera, near, far, nearest, farthest)

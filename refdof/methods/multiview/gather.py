@@ -10,13 +10,23 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
-from refdof.methods.multiview.height_field import Fields, Search, borrow_fields, next_hit, visit
+from refdof.methods.multiview.height_field import Fields, Ray, Search, borrow_fields, next_hit, visit
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["Hits", "culled_layers", "gather", "light_of", "pinhole_light", "ray_tangents", "trace_hits"]
+__all__ = [
+    "Hits",
+    "Lens",
+    "culled_layers",
+    "gather",
+    "lens_of",
+    "light_of",
+    "pinhole_light",
+    "ray_tangents",
+    "trace_hits",
+]
 
 _ROWS_PER_TASK = 8
 
@@ -31,6 +41,25 @@ class Hits(NamedTuple):
     texel: Index
     coc: Float
     ambiguous: Index
+
+
+class Lens(NamedTuple):
+    """What all pixels share: their rays, how those search the layers, and what lights a hit and what a miss shows."""
+
+    pattern: LensPattern
+    search: Search
+    projection: Projection
+    surfaces: Surfaces
+    background: tuple[float, float, float]
+
+
+def lens_of(
+    fields: Fields, pattern: LensPattern, search: Search, projection: Projection, surfaces: Surfaces, background: Any
+) -> Lens:
+    """`Lens` with points of the type of the fields' heights."""
+    red, green, blue = (float(c) for c in background)
+    pattern = pattern._replace(points=pattern.points.astype(fields.coc.dtype))
+    return Lens(pattern, search, projection, surfaces, (red, green, blue))
 
 
 def gather(
@@ -48,14 +77,10 @@ def gather(
     """
     height, width = fields.coc.shape[1:]
     out = np.empty((height, width, 3), dtype=np.float32)
-    table = tuple(float(c) for c in background)
-    points, weights = pattern.points.astype(fields.coc.dtype), pattern.weights
+    lens = lens_of(fields, pattern, search, projection, surfaces, background)
 
     def band(first: int) -> None:
-        last = min(first + _ROWS_PER_TASK, height)
-        _gather_rows(
-            fields, surface, points, weights, pattern.set, search, projection, surfaces, table, first, last, out
-        )
+        _gather_rows(fields, surface, lens, first, min(first + _ROWS_PER_TASK, height), out)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return out
@@ -88,16 +113,16 @@ def culled_layers(fields: Fields, search: Search) -> Any:
 
 
 @tile_kernel
-def _gather_rows(fields, surface, points, weights, sets, search, projection, surfaces, background, first, last, out):
+def _gather_rows(fields, surface, lens, first, last, out):
     """Rows first .. last - 1 of out (H, W, 3)."""
-    fields, surface, points, weights = borrow_fields(fields), borrow(surface), borrow(points), borrow(weights)
-    surfaces, out, sets = borrow_surfaces(surfaces), borrow(out), borrow(sets)
+    fields, surface, surfaces, out = borrow_fields(fields), borrow(surface), borrow_surfaces(lens.surfaces), borrow(out)
+    points, weights, sets = borrow(lens.pattern.points), borrow(lens.pattern.weights), borrow(lens.pattern.set)
     texels = surface.reshape(len(surface), out.shape[0] * out.shape[1], surface.shape[3])
     layers = np.empty(len(fields.coc), dtype=np.int64)
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
-            count, border = visit(fields, x, y, search, layers)
+            visited = visit(fields, x, y, lens.search, layers)
             chosen = sets[y % len(sets), x % len(sets)]
             px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
             red = green = blue = total = 0.0
@@ -105,19 +130,19 @@ def _gather_rows(fields, surface, points, weights, sets, search, projection, sur
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 if weight == 0.0:
                     continue
-                place, i, j, _ = next_hit(fields, layers, 0, count, border, px, py, vx, vy, search)
+                place, i, j, _ = next_hit(fields, visited, 0, Ray(px, py, vx, vy), lens.search)
                 if place == -2:
                     continue
                 total += weight
                 if place == -1:
-                    r, g, b = background
+                    r, g, b = lens.background
                 else:
-                    dx, dy = ray_tangents(projection, x, y, vx, vy)
+                    dx, dy = ray_tangents(lens.projection, x, y, vx, vy)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
                     r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, surfaces, projection, background, x, y)
+                red, green, blue = pinhole_light(fields, texels, lens, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
@@ -131,13 +156,13 @@ def ray_tangents(projection, x, y, vx, vy):
 
 
 @inline
-def pinhole_light(fields, texels, surfaces, projection, background, x, y):
+def pinhole_light(fields, texels, lens, x, y):
     """What the pinhole sees at pixel (x, y) of layers whose texels (K, >= H W, C) begin with the full picture."""
     for k in range(len(fields.coc)):
         if fields.coc[k, y, x] < np.inf:
-            dx, dy = ray_tangents(projection, x, y, 0.0, 0.0)
-            return light_of(surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
-    return background
+            dx, dy = ray_tangents(lens.projection, x, y, 0.0, 0.0)
+            return light_of(lens.surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
+    return lens.background
 
 
 @inline
@@ -155,17 +180,17 @@ def _hit_rows(fields, points, sets, search, first, last, hits):
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(fields.coc.shape[2]):
-            count, border = visit(fields, x, y, search, layers)
+            visited = visit(fields, x, y, search, layers)
             chosen = sets[y % len(sets), x % len(sets)]
             px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
             for n in range(points.shape[1]):
-                vx, vy = points[chosen, n, 0], points[chosen, n, 1]
-                place, i, j, c = next_hit(fields, layers, 0, count, border, px, py, vx, vy, search)
+                ray = Ray(px, py, points[chosen, n, 0], points[chosen, n, 1])
+                place, i, j, c = next_hit(fields, visited, 0, ray, search)
                 k = layers[place] if place >= 0 else place
                 hits.layer[y, x, n] = ~k if place >= 0 and k < 0 else k
                 hits.texel[y, x, n] = j * fields.coc.shape[2] + i if place >= 0 else -1
                 hits.coc[y, x, n] = c if place >= 0 else np.inf
-                hits.ambiguous[y, x, n] = ray_is_ambiguous(fields, layers, count, border, px, py, vx, vy, search)
+                hits.ambiguous[y, x, n] = ray_is_ambiguous(fields, visited, ray, search)
 
 
 @tile_kernel
@@ -174,6 +199,5 @@ def _cull_rows(fields, search, first, out):
     layers = np.empty(len(fields.coc), dtype=np.int64)
     for y in range(first, min(first + _ROWS_PER_TASK, out.shape[1])):
         for x in range(out.shape[2]):
-            count, _ = visit(fields, x, y, search, layers)
-            for k in layers[:count]:
+            for k in layers[: visit(fields, x, y, search, layers).length]:
                 out[k if k >= 0 else ~k, y, x] = False

@@ -36,7 +36,9 @@ from refdof.raster.filters.n_buffer import lowest_in, n_buffer
 
 __all__ = [
     "Fields",
+    "Ray",
     "Search",
+    "Visit",
     "borrow_fields",
     "end_of",
     "fields_of",
@@ -81,6 +83,27 @@ class Search(NamedTuple):
     holes: bool = False
 
 
+class Ray(NamedTuple):
+    """The ray of a pixel with centre (px, py) [px] through lens point (vx, vy): (px - c vx, py + c vy) at c."""
+
+    px: float
+    py: float
+    vx: float
+    vy: float
+
+
+class Visit(NamedTuple):
+    """What the rays of a pixel can meet: the first `length` of layers (K,), front to back.
+
+    `border`: rays that leave the image are dropped. A layer that holds nothing within their reach drops none: it is
+    left out, or without culling noted as ~k.
+    """
+
+    layers: Index
+    length: int
+    border: bool
+
+
 def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0, wall: float = 1.0) -> Fields:
     """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc.
 
@@ -105,11 +128,7 @@ def borrow_fields(fields):
 
 @inline
 def visit(fields, x, y, search, layers):
-    """Write the layers that rays of pixel (x, y) can meet into layers (K,); returns (their count, border).
-
-    `border` tells that rays which leave the image are dropped. A layer that holds nothing within their reach drops
-    none: it is left out, or without culling written as ~k.
-    """
+    """The `Visit` of pixel (x, y); layers (K,) is its memory."""
     height, width = fields.coc.shape[1], fields.coc.shape[2]
     count, border = 0, False
     for k in range(len(fields.coc)):
@@ -121,40 +140,45 @@ def visit(fields, x, y, search, layers):
         if not (search.culling and empty):
             layers[count] = ~k if empty else k
             count += 1
-    return count, border
+    return Visit(layers, count, border)
 
 
 @inline
-def next_hit(fields, layers, first, count, border, px, py, vx, vy, search):
-    """The first hit in layers[first:count] of the ray at (px - c vx, py + c vy).
+def next_hit(fields, visited, first, ray, search):
+    """The first hit of a ray in visited.layers[first : visited.length].
 
     Returns (place in `layers`, column, row, c); place -1: none, -2: the ray leaves the image. Behind an edge the ray is
     not over the texel that it meets. With `search.holes` the texel may be an empty one.
     """
     height, width = fields.coc.shape[1], fields.coc.shape[2]
-    for place in range(first, count):
-        k = layers[place]
+    for place in range(first, visited.length):
+        k = visited.layers[place]
         if k < 0:
             k = ~k
-        elif border:
+        elif visited.border:
             near, far = fields.near[k], fields.far[k]
-            x0, x1, y0, y1 = px - near * vx, px - far * vx, py + near * vy, py + far * vy
+            x0, x1, y0, y1 = (
+                ray.px - near * ray.vx,
+                ray.px - far * ray.vx,
+                ray.py + near * ray.vy,
+                ray.py + far * ray.vy,
+            )
             if min(x0, x1) < 0 or min(y0, y1) < 0 or max(x0, x1) >= width or max(y0, y1) >= height:
                 return -2, 0, 0, near
         if search.march:
-            x, y, c = _walk(fields, k, fields.near[k], px, py, vx, vy, search)
+            x, y, c = _walk(fields, k, fields.near[k], ray, search)
         else:
-            x, y, c = _search(fields, k, px, py, vx, vy, search)
+            x, y, c = _search(fields, k, ray, search)
         if x < 0 and search.holes:
-            x, y, top = _texel(fields.coc, k, px, py, vx, vy, fields.far[k])
+            x, y, top = _texel(fields.coc, k, ray, fields.far[k])
             c, x = fields.far[k], x if top == np.inf else -1
         if x >= 0:
             return place, x, y, c
-    return -1, 0, 0, px
+    return -1, 0, 0, ray.px
 
 
 @inline
-def _walk(fields, k, begin, px, py, vx, vy, search):
+def _walk(fields, k, begin, ray, search):
     """Every texel under the ray in layer k from `begin` on, in order: (column, row, c) of the first hit.
 
     Column -1: none. At `begin` the ray is in front of the layer.
@@ -162,11 +186,11 @@ def _walk(fields, k, begin, px, py, vx, vy, search):
     coc = fields.coc
     enter, last = np.float64(begin), np.float64(end_of(fields.far[k], search.wall))
     rows, columns = coc.shape[1], coc.shape[2]
-    x, y = first_texel(px, py, vx, vy, begin, columns, rows)
+    x, y = first_texel(ray, begin, columns, rows)
     before_x, before_y = -1, -1  # where the ray comes from
     seen_x, seen_y, seen = -1, -1, np.inf  # the texel that it was in front of last, and its height
     while True:
-        leave, next_x, next_y = step(px, py, vx, vy, x, y, last, columns, rows)
+        leave, next_x, next_y = step(ray, x, y, last, columns, rows)
         i, j = min(max(x, 0), columns - 1), min(max(y, 0), rows - 1)
         height = np.float64(coc[k, j, i])
         if height >= enter:
@@ -202,7 +226,7 @@ def goes_on(fields, k, x, y, low, high):
 
 
 @inline
-def _search(fields, k, px, py, vx, vy, search):
+def _search(fields, k, ray, search):
     """False position and bisection in layer k: (column, row, c); column -1: no hit."""
     coc, half = fields.coc, fields.coc.dtype.type(0.5)
     near, far = fields.near[k], end_of(fields.far[k], search.wall)
@@ -212,8 +236,8 @@ def _search(fields, k, px, py, vx, vy, search):
     bx, by, top = 0, 0, near
     if search.middle:
         c = half * (a + b)
-        x, y, height = _texel(coc, k, px, py, vx, vy, c)
-        if _on_top(coc, px, py, vx, vy, x, y, height):
+        x, y, height = _texel(coc, k, ray, c)
+        if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
             blocked = crossed = True
@@ -222,79 +246,79 @@ def _search(fields, k, px, py, vx, vy, search):
             a, above = c, height - c
     # Look up both ends, unless the middle showed a surface.
     if a == near and not crossed:
-        x, y, height = _texel(coc, k, px, py, vx, vy, a)
-        if _on_top(coc, px, py, vx, vy, x, y, height):
+        x, y, height = _texel(coc, k, ray, a)
+        if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < np.inf:
             above = height - a
-        bx, by, top = _texel(coc, k, px, py, vx, vy, b)
+        bx, by, top = _texel(coc, k, ray, b)
         blocked = top < np.inf
         if blocked:
             below = top - b
     # Follow the straight line between the ends, as long as it stays in front of the surface.
     for _ in range(0 if crossed else search.steps):
         c = a + (b - a) * (above / (above - below)) if above > below else half * (a + b)
-        x, y, height = _texel(coc, k, px, py, vx, vy, c)
-        if _on_top(coc, px, py, vx, vy, x, y, height):
+        x, y, height = _texel(coc, k, ray, c)
+        if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
             blocked, b, bx, by, top = True, c, x, y, height
             break
         a, above = c, (height if height < np.inf else far) - c
     if not blocked:
-        bx, by, top = _texel(coc, k, px, py, vx, vy, b)
+        bx, by, top = _texel(coc, k, ray, b)
         if top == np.inf:
             return -1, 0, near
     # Halve the part in which the surface comes before the ray.
     for _ in range(search.bisections):
         c = half * (a + b)
-        x, y, height = _texel(coc, k, px, py, vx, vy, c)
-        if _on_top(coc, px, py, vx, vy, x, y, height):
+        x, y, height = _texel(coc, k, ray, c)
+        if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
             b, bx, by, top = c, x, y, height
         else:
             a = c
     if search.wall < np.inf:
-        return _walk(fields, k, a, px, py, vx, vy, search)
-    if _on_top(coc, px, py, vx, vy, bx, by, top):
+        return _walk(fields, k, a, ray, search)
+    if _on_top(coc, ray, bx, by, top):
         return bx, by, top
     return bx, by, b
 
 
 @inline
-def first_texel(px, py, vx, vy, c, width, height):
+def first_texel(ray, c, width, height):
     """Column and row of the ray at c. All columns left of the image are -1, all right of it `width`; rows likewise."""
-    x, y = min(max(px - c * vx, -1), width), min(max(py + c * vy, -1), height)
+    x, y = min(max(ray.px - c * ray.vx, -1), width), min(max(ray.py + c * ray.vy, -1), height)
     return math.floor(x), math.floor(y)
 
 
 @inline
-def step(px, py, vx, vy, x, y, last, width, height):
+def step(ray, x, y, last, width, height):
     """Where the ray leaves texel (x, y), at most `last`, and the texel after it: (c, column, row)."""
-    stays_x = vx == 0 or (vx > 0 and x < 0) or (vx < 0 and x >= width)
-    stays_y = vy == 0 or (vy > 0 and y >= height) or (vy < 0 and y < 0)
-    leave_x = np.inf if stays_x else (px - (x if vx > 0 else x + 1)) / np.float64(vx)
-    leave_y = np.inf if stays_y else ((y + 1 if vy > 0 else y) - py) / np.float64(vy)
+    stays_x = ray.vx == 0 or (ray.vx > 0 and x < 0) or (ray.vx < 0 and x >= width)
+    stays_y = ray.vy == 0 or (ray.vy > 0 and y >= height) or (ray.vy < 0 and y < 0)
+    leave_x = np.inf if stays_x else (ray.px - (x if ray.vx > 0 else x + 1)) / np.float64(ray.vx)
+    leave_y = np.inf if stays_y else ((y + 1 if ray.vy > 0 else y) - ray.py) / np.float64(ray.vy)
     leave = min(leave_x, leave_y, last)
     if leave_x <= leave_y:
-        return leave, (x - 1 if vx > 0 else x + 1), y
-    return leave, x, (y + 1 if vy > 0 else y - 1)
+        return leave, (x - 1 if ray.vx > 0 else x + 1), y
+    return leave, x, (y + 1 if ray.vy > 0 else y - 1)
 
 
 @inline
-def _texel(coc, k, px, py, vx, vy, c):
+def _texel(coc, k, ray, c):
     """Column, row and height of the texel under the ray at c; the border goes on for ever."""
-    u, v = min(max(px - c * vx, 0), coc.shape[2] - 1), min(max(py + c * vy, 0), coc.shape[1] - 1)
+    u, v = min(max(ray.px - c * ray.vx, 0), coc.shape[2] - 1), min(max(ray.py + c * ray.vy, 0), coc.shape[1] - 1)
     x, y = math.floor(u), math.floor(v)
     return x, y, coc[k, y, x]
 
 
 @inline
-def _on_top(coc, px, py, vx, vy, x, y, height):
+def _on_top(coc, ray, x, y, height):
     """Whether the ray is inside texel (x, y), or past the border next to it, where it has the texel's height."""
     if height == np.inf:
         return False
-    u, v = px - height * vx, py + height * vy
+    u, v = ray.px - height * ray.vx, ray.py + height * ray.vy
     inside_x = (x <= u or x == 0) and (u < x + 1 or x + 1 == coc.shape[2])
     return inside_x and (y <= v or y == 0) and (v < y + 1 or y + 1 == coc.shape[1])

@@ -274,8 +274,7 @@ def _choice(view: View, params: Params) -> dict[str, Any]:
         "spacing": params.spacing_px or max(SPACING * view.camera.height / SPACING_HEIGHT, LEAST_SPACING),
         "count": params.layers,
         "overlap": params.overlap,
-        "near": params.near,
-        "far": params.far,
+        "depths": (params.near, params.far),
     }
 
 

@@ -67,6 +67,15 @@ class Extremes(NamedTuple):
     highest: Float
 
 
+class Rectangles(NamedTuple):
+    """First and last column and row of K rectangles, both inclusive [px], (K,) each."""
+
+    x0: Index
+    y0: Index
+    x1: Index
+    y1: Index
+
+
 def n_buffer(depth: Any, *, extremes: str = "both", largest: int | None = None, block: int = 1) -> NBuffer:
     """Build the N-buffer of a depth map, or the shared one of several layers.
 
@@ -167,7 +176,7 @@ def query(nbuffer: NBuffer, x0: Any, y0: Any, x1: Any, y1: Any, *, exact: bool =
     lowest = np.empty(count if len(nbuffer.lowest) else 0, dtype=nbuffer.lowest.dtype)
     highest = np.empty(count if len(nbuffer.highest) else 0, dtype=nbuffer.highest.dtype)
     inside = np.empty(-(-count // _CHUNK), dtype=np.bool_)
-    _query(*nbuffer, *rectangles, bool(exact), lowest, highest, inside)
+    _query(nbuffer, Rectangles(*rectangles), bool(exact), Extremes(lowest, highest), inside)
     if not inside.all():
         _as_rectangles(nbuffer, *rectangles)
     return Extremes(lowest, highest)
@@ -253,18 +262,20 @@ def _level_of(width, height, count, exact):
 
 
 @kernel
-def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, high, inside):
-    """Fill low and high (K,), or a length of 0 for a side not made, and whether all rectangles of a chunk are valid.
+def _query(nbuffer, rectangles, exact, found, inside):
+    """Fill the extremes found (K,), or a length of 0 for a side not made, and whether all of a chunk are valid.
 
     That part of the validation is here: reading all corners once more would take longer than the answers.
     """
-    count, plane = max(len(lowest), len(highest)), height * width  # without blocks; with them it is not used
+    lowest, highest, block, low, high = nbuffer.lowest, nbuffer.highest, nbuffer.block, found.lowest, found.highest
+    shape = max(len(lowest), len(highest)), nbuffer.height, nbuffer.width  # of flat levels without blocks
+    x0, y0, x1, y1 = rectangles
     flat_near, flat_far = lowest.reshape(-1), highest.reshape(-1)
     for chunk in prange(len(inside)):
         part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
         left, top, right, bottom = borrow(x0)[part], borrow(y0)[part], borrow(x1)[part], borrow(y1)[part]
         places = np.empty((3, len(left)), dtype=np.int64)
-        valid, covered = _four_squares(left, top, right, bottom, height, width, count, plane, exact, places)
+        valid, covered = _four_squares(Rectangles(left, top, right, bottom), shape, exact, places)
         inside[chunk] = valid
         if not valid:
             continue
@@ -275,7 +286,7 @@ def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, hi
                 continue
         for k in range(len(left)):
             width_k, height_k = right[k] - left[k] + 1, bottom[k] - top[k] + 1
-            if block == 1 and max(width_k, height_k) <= 2 << _level_of(width_k, height_k, count, exact):
+            if block == 1 and max(width_k, height_k) <= 2 << _level_of(width_k, height_k, shape[0], exact):
                 continue
             if len(near):
                 least[k] = lowest_in(near, block, left[k], top[k], right[k], bottom[k], exact)
@@ -284,13 +295,15 @@ def _query(lowest, highest, block, height, width, x0, y0, x1, y1, exact, low, hi
 
 
 @inline
-def _four_squares(left, top, right, bottom, height, width, count, plane, exact, places):
+def _four_squares(rectangles, shape, exact, places):
     """Whether all rectangles are valid, and two by two squares cover each: then the squares' places.
 
     places (3, K): that of the first square in the flattened levels, and the steps to its right and its lower neighbour.
     Without branches, so that the compiler takes many at once.
     """
-    corner, across, down = places[0], places[1], places[2]
+    left, top, right, bottom = rectangles
+    count, height, width = shape
+    plane, corner, across, down = height * width, places[0], places[1], places[2]
     wrong, uncovered = 0, 0
     for k in range(len(left)):
         # Cut off: far outside, differences could leave the type.

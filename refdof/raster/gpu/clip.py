@@ -38,6 +38,16 @@ class ClippedTriangles(NamedTuple):
     box: Index
 
 
+class Grid(NamedTuple):
+    """Sub-pixel grid of 2^-bits px. scale [px]: that of tangents; exact: positions are not rounded to float32 first."""
+
+    scale: float
+    width: int
+    height: int
+    bits: int
+    exact: bool
+
+
 def clip_triangles(
     vertices: Float, faces: Index, camera: Camera, near: float, bits: int, exact: bool
 ) -> ClippedTriangles:
@@ -45,33 +55,34 @@ def clip_triangles(
 
     exact: window positions are not rounded to float32 before they snap to 2^-bits px.
     """
-    scale = camera.pixels_per_tangent
-    counts = _count(vertices, faces, near, scale)
+    grid = Grid(camera.pixels_per_tangent, camera.width, camera.height, bits, exact)
+    counts = _count(vertices, faces, near, grid.scale)
     first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     total = int(first[-1])
     clipped = ClippedTriangles(
         np.empty((total, 6), dtype=np.int32), np.empty(total, dtype=np.int32), np.empty((total, 4), dtype=np.int32)
     )
-    _set_up(vertices, faces, near, scale, camera.width, camera.height, bits, exact, first, clipped)
+    _set_up(vertices, faces, near, grid, first, clipped)
     return clipped
 
 
 def snapped(vertices: Float, camera: Camera, near: float, bits: int, exact: bool) -> Float:
     """Vertices (V, 3) moved in their own depth to where the grid has them; those behind the near plane stay."""
     moved = vertices.copy()
-    _move(moved, near, camera.pixels_per_tangent, camera.width, camera.height, bits, exact)
+    _move(moved, near, Grid(camera.pixels_per_tangent, camera.width, camera.height, bits, exact))
     return moved
 
 
 @kernel
-def _move(vertices, near, scale, width, height, bits, exact):
+def _move(vertices, near, grid):
     """`snapped`, in place."""
+    unit = 2.0**grid.bits
     for k in prange(len(vertices)):
         depth = -vertices[k, 2]
         if depth >= near:
-            x, y = _snap(vertices[k, 0], vertices[k, 1], depth, scale, width, height, bits, exact)
-            vertices[k, 0] = (x / 2.0**bits + 0.5 - 0.5 * width) * depth / scale
-            vertices[k, 1] = (0.5 * height - y / 2.0**bits - 0.5) * depth / scale
+            x, y = _snap(vertices[k, 0], vertices[k, 1], depth, grid)
+            vertices[k, 0] = (x / unit + 0.5 - 0.5 * grid.width) * depth / grid.scale
+            vertices[k, 1] = (0.5 * grid.height - y / unit - 0.5) * depth / grid.scale
 
 
 @kernel
@@ -88,7 +99,7 @@ def _count(vertices, faces, near, scale):
 
 
 @kernel
-def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, clipped):
+def _set_up(vertices, faces, near, grid, first, clipped):
     """Fill `clipped`; `first` (F + 1,) says where those of each face begin."""
     for i in prange(len(faces)):
         if first[i + 1] == first[i]:
@@ -96,19 +107,18 @@ def _set_up(vertices, faces, near, scale, width, height, bits, exact, first, cli
         # Take the triangle as it is, or the polygon that the planes leave of it.
         room = np.empty((2, _MOST_CORNERS, 3))
         count, side = 3, 0
-        if _codes(vertices, faces, i, near, scale)[0] == 0:
+        if _codes(vertices, faces, i, near, grid.scale)[0] == 0:
             for k in range(3):
                 for axis in range(3):
                     room[0, k, axis] = vertices[faces[i, k], axis]
         else:
-            count, side = _polygon(vertices, faces, i, near, scale, room)
+            count, side = _polygon(vertices, faces, i, near, grid.scale, room)
         # Cut the polygon into a fan around its first corner.
-        ax, ay = _snap_corner(room[side, 0], scale, width, height, bits, exact)
-        bx, by = _snap_corner(room[side, 1], scale, width, height, bits, exact)
+        a, b = _snap_corner(room[side, 0], grid), _snap_corner(room[side, 1], grid)
         for k in range(2, count):
-            cx, cy = _snap_corner(room[side, k], scale, width, height, bits, exact)
-            _store(clipped, first[i] + k - 2, i, ax, ay, bx, by, cx, cy, width, height, bits)
-            bx, by = cx, cy
+            c = _snap_corner(room[side, k], grid)
+            _store(clipped, first[i] + k - 2, i, a, b, c, grid)
+            b = c
 
 
 @inline
@@ -170,18 +180,18 @@ def _polygon(vertices, faces, i, near, scale, room):
 
 
 @inline
-def _snap_corner(corner, scale, width, height, bits, exact):
+def _snap_corner(corner, grid):
     """`_snap` of a corner (3,) in camera space."""
-    return _snap(corner[0], corner[1], -corner[2], scale, width, height, bits, exact)
+    return _snap(corner[0], corner[1], -corner[2], grid)
 
 
 @inline
-def _snap(x, y, depth, scale, width, height, bits, exact):
+def _snap(x, y, depth, grid):
     """A point's place on the grid: (x, y) int64, row 0 on top; ties go to even."""
     # Clipping leaves corners inside the guard band but for roundings, which a plane very near magnifies.
-    x, y = _in_guard(x * scale / depth), _in_guard(y * scale / depth)
-    x, y, unit = 0.5 * width + x, 0.5 * height - y, 2.0**bits
-    if exact:
+    x, y = _in_guard(x * grid.scale / depth), _in_guard(y * grid.scale / depth)
+    x, y, unit = 0.5 * grid.width + x, 0.5 * grid.height - y, 2.0**grid.bits
+    if grid.exact:
         return np.int64(np.rint((x - 0.5) * unit)), np.int64(np.rint((y - 0.5) * unit))
     half = np.float32(0.5)
     column, row = (np.float32(x) - half) * np.float32(unit), (np.float32(y) - half) * np.float32(unit)
@@ -195,15 +205,16 @@ def _in_guard(place):
 
 
 @inline
-def _store(clipped, n, face, ax, ay, bx, by, cx, cy, width, height, bits):
-    """Write clipped triangle n, turned so that its area is positive; one without area gets an empty box."""
+def _store(clipped, n, face, a, b, c, grid):
+    """Write triangle n with corners (x, y), turned so that its area is positive; one without area gets an empty box."""
+    (ax, ay), (bx, by), (cx, cy), bits = a, b, c, grid.bits
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     if area < 0:
         bx, by, cx, cy = cx, cy, bx, by
     corner, box = clipped.corner[n], clipped.box[n]
     corner[0], corner[1], corner[2], corner[3], corner[4], corner[5] = ax, ay, bx, by, cx, cy
     clipped.face[n] = face
-    box[0], box[1] = max(0, -(-min(ax, bx, cx) >> bits)), min(width - 1, max(ax, bx, cx) >> bits)
-    box[2], box[3] = max(0, -(-min(ay, by, cy) >> bits)), min(height - 1, max(ay, by, cy) >> bits)
+    box[0], box[1] = max(0, -(-min(ax, bx, cx) >> bits)), min(grid.width - 1, max(ax, bx, cx) >> bits)
+    box[2], box[3] = max(0, -(-min(ay, by, cy) >> bits)), min(grid.height - 1, max(ay, by, cy) >> bits)
     if area == 0 or box[0] > box[1] or box[2] > box[3]:
         box[0], box[1] = 1, 0

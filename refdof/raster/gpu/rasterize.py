@@ -35,7 +35,7 @@ from refdof._check import (
 )
 from refdof._jit import inline, run_tasks, tile_kernel
 from refdof.optics.camera import Camera
-from refdof.raster.gpu.clip import clip_triangles, snapped
+from refdof.raster.gpu.clip import ClippedTriangles, clip_triangles, snapped
 from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of, key_of, keys_of
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.tile_bins import TILE_PX, bin_triangles
@@ -145,14 +145,15 @@ def rasterize(
     )
     if model.attributes_from_snapped:
         vertices = snapped(vertices, camera, near, bits, exact)
-    typed, scale = vertices.astype(kind), 1.0 / camera.pixels_per_tangent
+    scale = 1.0 / camera.pixels_per_tangent
+    drawing = _Drawing(vertices.astype(kind), faces, clipped, bits, near, far, code, scale, previous)
 
     def draw_row(row: int) -> None:
         for column in range(tile_bins.columns):
             tile = row * tile_bins.columns + column
             chosen = tile_bins.triangle[tile_bins.first[tile] : tile_bins.first[tile + 1]]
             if len(chosen):
-                _draw_tile(typed, faces, clipped, chosen, row, column, bits, near, far, code, scale, previous, raster)
+                _draw_tile(drawing, chosen, row, column, raster)
 
     run_tasks(draw_row, range(-(-camera.height // TILE_PX)))
     return raster._replace(depth=np.ldexp(depths_of(raster.depth, code), exponent))
@@ -165,12 +166,24 @@ def _scaled(length: float, exponent: int) -> float:
     return scaled if math.isinf(length) else min(scaled, sys.float_info.max)
 
 
-@tile_kernel
-def _draw_tile(vertices, faces, clipped, chosen, row, column, bits, near, far, code, scale, previous, raster):
-    """Draw the `chosen` clipped triangles, ascending, into the pixels of one tile. The arrays' type is the precision.
+class _Drawing(NamedTuple):
+    """What is drawn, and how. The vertices' type is the precision; `previous` holds keys; scale: tangents per px."""
 
-    raster.depth and `previous` hold keys.
-    """
+    vertices: Float
+    faces: Index
+    clipped: ClippedTriangles
+    bits: int
+    near: float
+    far: float
+    code: Any
+    scale: float
+    previous: Float
+
+
+@tile_kernel
+def _draw_tile(drawing, chosen, row, column, raster):
+    """Draw the `chosen` clipped, ascending, into the pixels of one tile. raster.depth holds keys."""
+    vertices, faces, clipped, bits, near, far, code, scale, previous = drawing
     height, width = raster.depth.shape
     plane, ray = np.empty(11, dtype=vertices.dtype), np.empty(2, dtype=vertices.dtype)
     for n in chosen:

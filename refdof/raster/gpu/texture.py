@@ -117,7 +117,7 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
         for k in range(int(lod.min()), math.ceil(lod.max()) + 1) if len(lod) else ():
             texels, colour = _as_floats(images[k], border, model)
-            read_level(texels, k, u, v, lod, rounded, colour, bordered, rules_of(model), out)
+            read_level(texels, k, (u, v, lod), rounded, colour, bordered, rules_of(model), out)
     return out.reshape(*shape, images[0].shape[2])
 
 

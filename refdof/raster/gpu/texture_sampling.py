@@ -45,9 +45,9 @@ def read_points(image, x, y, scale_x, scale_y, rounded, border, bordered, rules)
 
 
 @kernel
-def read_level(image, level, u, v, lod, rounded, border, bordered, rules, out):
-    """Write reads out (N, C) of a level where it is the finer of a point's two; blend in where it is the coarser."""
-    flat = image.reshape(-1, image.shape[2])
+def read_level(image, level, points, rounded, border, bordered, rules, out):
+    """Write reads out (N, C) at points u, v, lod (N,) of a level that is the finer of two; blend in the coarser."""
+    (u, v, lod), flat = points, image.reshape(-1, image.shape[2])
     for chunk in prange((len(u) + _CHUNK - 1) // _CHUNK):
         begin, end = chunk * _CHUNK, min((chunk + 1) * _CHUNK, len(u))
         places, how = (borrow(u), borrow(v), borrow(lod)), (rounded, borrow(border), bordered, rules)
@@ -75,20 +75,21 @@ def _read_chunk(texels, level, places, how, begin, end, coarser, out):
 def _read(texels, x, y, real, how, k, out):
     """Row k of out: a bilinear read at x, y [texels from the corner; type `real`]; texels: image, and flattened."""
     image, flat = texels
-    rounded, border, bordered, rules = how
+    rounded, _, bordered, rules = how
     scalar = out.dtype.type
     column, right = split(x, image.shape[1], rounded, bordered, real)
     row, below = split(y, image.shape[0], rounded, bordered, real)
     across, down = scalar(right), scalar(below)
     plain = not (bordered or rules.fused or rules.flush) and max(across, down) < 1
     if not (plain and _blend(flat, image.shape, column, row, across, down, k, out)):
-        _read_by_rules(image, column, row, across, down, border, bordered, rules, k, out)
+        _read_by_rules(image, column, row, across, down, how, out[k])
 
 
 @tile_kernel
-def _read_by_rules(image, column, row, across, down, border, bordered, rules, k, out):
+def _read_by_rules(image, column, row, across, down, how, out):
+    _, border, bordered, rules = how
     for c in range(image.shape[2]):
-        out[k, c] = bilinear_at(image, column, row, across, down, c, border, bordered, rules)
+        out[c] = bilinear_at(image, column, row, across, down, c, border, bordered, rules)
 
 
 @inline

@@ -100,9 +100,8 @@ def _run(surfaces: Surfaces, tracer: Tracer, projection: Projection, layers: Lay
         last, capacity = min(first + _ROWS_PER_TASK, projection.height), _FIRST_CAPACITY
         while True:
             memory = new_collector(capacity)
-            found = _layers_of_rows(
-                surfaces, tracer.scene, tracer.single, projection, umbra_step, first, last, memory, layers, counts
-            )
+            call = tracer.scene, tracer.single
+            found = _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory, layers, counts)
             if found <= capacity:
                 return
             capacity = 2 * found
@@ -112,9 +111,12 @@ def _run(surfaces: Surfaces, tracer: Tracer, projection: Projection, layers: Lay
 
 
 @tile_kernel
-def _layers_of_rows(surfaces, scene, single, projection, umbra_step, first, last, memory, layers, counts):
-    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel."""
-    surfaces = borrow_surfaces(surfaces)
+def _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory, layers, counts):
+    """Peel rows first .. last - 1. `memory` is laid out by `new_collector`. Returns the most hits of a pixel.
+
+    call: addresses of Embree's scene and of the function that traces one ray.
+    """
+    surfaces, (scene, single) = borrow_surfaces(surfaces), call
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)

@@ -85,5 +85,5 @@ def shade_gbuffer(surfaces, a, dx, dy, dz):
     nx, ny, nz = nx * scale, ny * scale, nz * scale
     red, green, blue = a[_ALBEDO], a[_ALBEDO + 1], a[_ALBEDO + 2]
     sr, sg, sb, shininess = a[_SPECULAR], a[_SPECULAR + 1], a[_SPECULAR + 2], a[_SHININESS]
-    red, green, blue = lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess)
+    red, green, blue = lit(surfaces, (nx, ny, nz), (dx, dy, dz), (red, green, blue), (sr, sg, sb), shininess)
     return red + a[_EMISSION], green + a[_EMISSION + 1], blue + a[_EMISSION + 2]

@@ -29,7 +29,7 @@ def shade(surfaces, face, u, v, dx, dy, dz):
         sr = sg = sb = 0.0
         if surfaces.shading[material] == _PHONG:
             sr, sg, sb = surfaces.specular[material, 0], surfaces.specular[material, 1], surfaces.specular[material, 2]
-        red, green, blue = lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess)
+        red, green, blue = lit(surfaces, (nx, ny, nz), (dx, dy, dz), (red, green, blue), (sr, sg, sb), shininess)
     emission = surfaces.emission
     return red + emission[material, 0], green + emission[material, 1], blue + emission[material, 2]
 
@@ -71,8 +71,9 @@ def shading_normal(surfaces, face, w, u, v, dx, dy, dz):
 
 
 @inline
-def lit(surfaces, nx, ny, nz, dx, dy, dz, red, green, blue, sr, sg, sb, shininess):
-    """Albedo (red, green, blue) times irradiance, plus what specular (sr, sg, sb) mirrors; n is a unit vector."""
+def lit(surfaces, normal, direction, albedo, specular, shininess):
+    """Linear RGB: albedo times irradiance, plus what `specular` mirrors of a ray's direction; `normal` has length 1."""
+    (nx, ny, nz), (dx, dy, dz), (red, green, blue), (sr, sg, sb) = normal, direction, albedo, specular
     light = surfaces.light
     cosine = max(0.0, nx * light[0, 0] + ny * light[0, 1] + nz * light[0, 2])
     dome = 0.5 + 0.5 * (nx * light[4, 0] + ny * light[4, 1] + nz * light[4, 2])

@@ -5,6 +5,7 @@ import pytest
 
 from refdof._jit import tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds, thin_lens_bounds
+from refdof.methods.lensblur.layer_trace import Stack
 from refdof.raster.filters.n_buffer import n_buffer
 
 pytestmark = pytest.mark.fast
@@ -21,10 +22,8 @@ def bounds_of(rays, stride, near, far):
 
 
 @tile_kernel
-def narrowed(lowest, highest, block, width, height, rays, stride, center, near, far, extension, iterations):
-    return narrow(
-        lowest, highest, block, (width, height), rays, stride, center, near, far, extension, iterations
-    )  # fmt: skip
+def narrowed(stack, rays, stride, center, near, far, iterations):
+    return narrow(stack, 0, rays, stride, center, near, far, iterations)
 
 
 def test_a_thin_lens_is_bounded_by_the_larger_circle():
@@ -53,10 +52,8 @@ def left_of(heights, column, focus, near=10.0, far=0.0, extension=0.0, iteration
         parallax, center, directions = parallax.T.copy(), (0.5, column + 0.5, focus), directions[:, ::-1]
     buffer = n_buffer(parallax)
     lens = np.concatenate([np.array(center[:2])[:, None] - focus * directions.T, directions.T])
-    height, width = parallax.shape
-    return narrowed(
-        buffer.lowest, buffer.highest, 1, width, height, lens, int(rays), center, near, far, extension, iterations
-    )
+    stack = Stack(np.empty((1, *parallax.shape, 4)), buffer.lowest[None], buffer.highest[None], 1, extension, -1)
+    return narrowed(stack, lens, int(rays), center, near, far, iterations)
 
 
 @pytest.mark.parametrize("upright", [False, True])

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
-from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
+from refdof.methods.lensblur.layer_trace import Choices, new_stack, trace_layers
 from refdof.optics.pixel_samples import LensPattern
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS
 from tests import flat_scene
@@ -34,10 +34,8 @@ def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None
     lens = np.array(lens, float).reshape(-1, 2)
     pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
-    stack = new_stack(parallax, extension, complete)
-    return trace_layers(
-        stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, misses="black", **words
-    )
+    stack, choices = new_stack(parallax, extension, complete), Choices(misses="black", **words)
+    return trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, choices)
 
 
 def meet(layers, pixel, v, focus, width=4, upright=False, **words):
@@ -245,7 +243,7 @@ def test_all_rays_missed_show_the_pinhole():
             1.0,
             pattern,
             pinhole,
-            misses=misses,
+            Choices(misses=misses),
         )
         np.testing.assert_array_equal(traced.missed, 1.0)
         np.testing.assert_array_equal(traced.image, wanted)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
-from refdof.methods.lensblur.layer_trace import new_stack, trace_layers
+from refdof.methods.lensblur.layer_trace import Choices, new_stack, trace_layers
 from refdof.methods.lensblur.method import FOOTPRINTS
 from refdof.optics.pixel_samples import LensPattern
 from refdof.rendering import make_params, render_view
@@ -55,7 +55,7 @@ def picture(seed, size, dtype=np.float64, twin=True, **words):
     complete = bool(random.integers(2))
     view = empty_view(width, height)
     stack = new_stack(parallax, extension, complete, int(random.integers(1, 4)))
-    ours = trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, **words)
+    ours = trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, Choices(**words))
 
     if not twin:
         return (ours,)
@@ -111,7 +111,7 @@ def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
     for iterations in (0, 3):
         traced = trace_layers(
             new_stack(parallax, 1.0, True), color, view.surfaces(), view.projection(), 10.2, pattern,
-            np.zeros((1, 2, 3), dtype=np.float32), iterations=iterations,
+            np.zeros((1, 2, 3), dtype=np.float32), Choices(iterations=iterations),
         )  # fmt: skip
         np.testing.assert_array_equal(traced.image[0, 0], [1.0, 2.0, 3.0])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from refdof._jit import kernel
-from refdof.methods.lensblur.texel_walk import PACK, enter_picture, first_hit, pack_layers
+from refdof.methods.lensblur.texel_walk import PACK, Ray, enter_picture, first_hit, pack_layers
 
 pytestmark = pytest.mark.fast
 SIZE = 4
@@ -16,12 +16,12 @@ SIZE = 4
 
 @kernel
 def walk(packs, ax, ay, wx, wy, near, far):
-    return first_hit(packs, 0, ax, ay, wx, wy, near, far, 0.0)
+    return first_hit(packs, 0, Ray(ax, ay, wx, wy), near, far, 0.0)
 
 
 @kernel
 def border(width, height, ax, ay, wx, wy):
-    return enter_picture(width, height, ax, ay, wx, wy)
+    return enter_picture(width, height, Ray(ax, ay, wx, wy))
 
 
 def met(parallax, ray, entry, near, far):
