@@ -2,7 +2,12 @@
 
 Numba's own cache does not see an edit in a helper of another file. So its folder is named by a digest of every
 source file of this package, Numba's version, the processor and the JIT flags: any edit starts an empty folder,
-and a second run of the same code compiles nothing. Folders unused for a month are removed.
+and a second run of the same code compiles nothing, be it another copy of the package. Folders unused for a month are
+removed.
+
+Numba numbers the files of a function's signatures, and keeps a list of them. Two processes that compile at once may
+give the same number to two signatures, and one would run the other's machine code. So files are named by what they were
+compiled from, and there is no list.
 """
 
 import hashlib
@@ -19,6 +24,7 @@ import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import types
+from numba.core.caching import IndexDataCacheFile
 
 __all__ = ["JIT_DISABLED", "callback", "inline", "kernel", "prange", "tile_kernel"]
 
@@ -80,21 +86,60 @@ _open_cache()
 prange = numba.prange
 
 
+class _KeyedFiles(IndexDataCacheFile):
+    """A function's cache files, each named by a digest of the function and of one signature."""
+
+    def __init__(self, function: Callable[..., Any], cache: Any) -> None:
+        code = function.__code__
+        stamp = cache._impl.locator.get_source_stamp()
+        super().__init__(cache.cache_path, cache._impl.filename_base, stamp)
+        self._origin: tuple[Any, ...] = (code.co_filename, stamp)
+        if numba.config.CACHE_DIR and Path(code.co_filename).is_relative_to(_package_folder()):
+            self._cache_path = numba.config.CACHE_DIR  # its name tells the sources apart
+            self._origin = ()
+        self._origin += (function.__module__, function.__qualname__, code.co_firstlineno)
+
+    def save(self, key: Any, data: Any) -> None:
+        Path(self._cache_path).mkdir(parents=True, exist_ok=True)
+        self._save_data(self._file_of(key), data)
+
+    def load(self, key: Any) -> Any:
+        try:
+            return self._load_data(self._file_of(key))
+        except FileNotFoundError:
+            return None
+
+    def flush(self) -> None:
+        """Nothing: no list of files is kept."""
+
+    def _file_of(self, key: Any) -> str:
+        signature, *rest = key
+        words = repr((numba.__version__, self._origin, str(signature), rest))
+        return self._data_name_pattern.replace("{number:d}", hashlib.sha256(words.encode()).hexdigest()[:32])
+
+
+def _keyed(compiled: Any) -> Any:
+    """A dispatcher whose cache files are keyed; with compilation off, the function itself."""
+    if not JIT_DISABLED:
+        compiled._cache._cache_file = _KeyedFiles(compiled.py_func, compiled._cache)
+    return compiled
+
+
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a loop over pixels: `prange` iterations own what they write."""
-    return numba.njit(parallel=True, cache=True, error_model="numpy")(function)
+    return _keyed(numba.njit(parallel=True, cache=True, error_model="numpy")(function))
 
 
 def tile_kernel(function: Callable[..., Any]) -> Any:
     """Compile one tile's work for `run_tasks`: serial inside, without the interpreter's lock."""
     if JIT_DISABLED:  # compiled integers wrap around silently, and so shall interpreted ones
         return np.errstate(over="ignore")(function)
-    return numba.njit(nogil=True, cache=True, error_model="numpy")(function)
+    return _keyed(numba.njit(nogil=True, cache=True, error_model="numpy")(function))
 
 
 def inline(function: Callable[..., Any]) -> Any:
     """Compile a helper that a kernel calls in its inner loop."""
-    return numba.njit(cache=True, error_model="numpy", forceinline=True)(function)
+    return _keyed(numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
 
 
 def callback(function: Callable[..., Any]) -> Any:

@@ -55,6 +55,61 @@ def test_the_digest_covers_the_whole_package():
     assert compile_._package_folder() == Path(refdof.__file__).parent
 
 
+PROBE = """
+import sys
+import numpy as np
+from refdof._jit import kernel, prange, tile_kernel
+
+
+@tile_kernel
+def total(a):
+    out = a[0] - a[0]
+    for x in a:
+        out += x
+    return out
+
+
+@kernel
+def halves(a):
+    out = np.empty_like(a)
+    for k in prange(len(a)):
+        out[k] = a[k] / a.dtype.type(2)
+    return out
+
+
+def answer(kind):
+    a = np.arange(1, 9).astype(kind)
+    print(complex(total(a)), halves(a).tolist(), sep="|")
+    print([sum(f.stats.cache_hits.values()) for f in (total, halves) if hasattr(f, "stats")])
+"""
+
+
+def test_processes_that_compile_at_once_keep_their_signatures_apart(tmp_path):
+    # Four processes start with an empty folder, each with a type of its own; then a copy elsewhere finds all of them.
+    cache, kinds = tmp_path / "cache", ("float32", "float64", "complex64", "complex128")
+    for place in ("here", "there"):
+        package = tmp_path / place / "refdof"
+        package.mkdir(parents=True)
+        shutil.copytree(PACKAGE / "_jit", package / "_jit", ignore=shutil.ignore_patterns("__pycache__"))
+        (package / "__init__.py").write_text("")
+        (package / "probe.py").write_text(PROBE)
+
+    def start(place, kind):
+        words = {**os.environ, "PYTHONPATH": str(tmp_path / place), "REFDOF_CACHE_DIR": str(cache)}
+        code = f"from refdof.probe import answer; answer({kind!r})"
+        return subprocess.Popen(
+            [sys.executable, "-c", code], env=words, cwd=tmp_path / place, stdout=subprocess.PIPE, text=True
+        )
+
+    for place, hits in (("here", 0), ("there", 1)):
+        running = [start(place, kind) for kind in kinds]
+        printed = [process.communicate(timeout=300)[0].splitlines() for process in running]
+        for (values, found), kind in zip(printed, kinds, strict=True):
+            numbers = np.arange(1, 9).astype(kind)
+            assert values == f"{complex(36)}|{(numbers / 2).tolist()}"
+            assert found == ("[]" if _jit.JIT_DISABLED else f"[{hits}, {hits}]")
+
+
 def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
     package, cache = tmp_path / "refdof", tmp_path / "cache"
     package.mkdir()

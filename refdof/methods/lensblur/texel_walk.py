@@ -87,7 +87,8 @@ def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
         steps += 1
         leave_x = (scalar(x) + ahead_x - ax) * inverse_x if step_x != 0 else -scalar(np.inf)
         leave_y = (scalar(y) + ahead_y - ay) * inverse_y if step_y != 0 else -scalar(np.inf)
-        leave = max(leave_x, leave_y, far)
+        exit_u = max(leave_x, leave_y)
+        leave = max(exit_u, far)
         # The four layers are ordered: the first that the ray meets is the nearest.
         for k in range(PACK):
             u = pack[y, x, k]
@@ -97,7 +98,7 @@ def first_hit(packs, group, ax, ay, wx, wy, near, far, extension):
                 return k, x, y, u, steps
             if steps > 1 and _goes_on(packs, last_x, last_y, u - extension, enter):
                 return k, x, y, enter, steps
-        if leave <= far:
+        if exit_u < far:  # at far itself the ray is in the next texel, too
             break
         last_x, last_y, enter = x, y, leave
         if leave_x > leave_y:
@@ -127,6 +128,7 @@ def _start(a, w, near, size):
     """Texel along one axis at u = near, the step to the next one, and 1 / w.
 
     The texel agrees with the crossings that the walk computes, so that a walk begun later passes the same texels.
+    On the border of two it is the one that the ray leaves: its samples may be at `near`, too.
     """
     scalar = type(a)
     at = math.floor(min(max(a + near * w, scalar(0.0)), scalar(size - 1)))
@@ -135,9 +137,9 @@ def _start(a, w, near, size):
     inverse = scalar(1.0) / w
     step = -1 if w > 0.0 else 1  # u falls along the ray
     entry, ahead = scalar(0.5) * scalar(1 - step), scalar(0.5) * scalar(1 + step)
-    while 0 <= at - step < size and (scalar(at) + entry - a) * inverse < near:
+    while 0 <= at - step < size and (scalar(at) + entry - a) * inverse <= near:
         at -= step
-    while 0 <= at + step < size and (scalar(at) + ahead - a) * inverse >= near:
+    while 0 <= at + step < size and (scalar(at) + ahead - a) * inverse > near:
         at += step
     return at, step, inverse
 
