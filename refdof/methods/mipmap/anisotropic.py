@@ -23,6 +23,7 @@ import numpy.typing as npt
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import weigh_texels
+from refdof.raster.filters.bilinear import bilinear
 
 __all__ = ["Chain", "begin", "depth_of_chain", "downsample", "foreground_blur", "new_chain"]
 
@@ -289,6 +290,4 @@ def _tap(image, x, y, wx, wy, c):
     """A bilinear read, rows first."""
     left, right = _inside(x, image.shape[1]), _inside(x + 1, image.shape[1])
     top, bottom = _inside(y, image.shape[0]), _inside(y + 1, image.shape[0])
-    a = image[top, left, c] + (image[bottom, left, c] - image[top, left, c]) * wy
-    b = image[top, right, c] + (image[bottom, right, c] - image[top, right, c]) * wy
-    return a + (b - a) * wx
+    return bilinear(image[top, left, c], image[bottom, left, c], image[top, right, c], image[bottom, right, c], wy, wx)

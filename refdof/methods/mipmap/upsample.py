@@ -17,7 +17,7 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import INWARD, read_circle
 from refdof.methods.mipmap.anisotropic import Chain
-from refdof.raster.filters.bilinear import texels_around
+from refdof.raster.filters.bilinear import bilinear, texels_around
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "smooth_blur", "upsample"]
 
@@ -124,7 +124,7 @@ def _smooth(circles, scales, nearer, weights, blur):
             k = int(n)
             rest = n - scalar(k)
             p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
-            fine = _between(
+            fine = bilinear(
                 texels[upper + p, 1],
                 texels[upper + q, 1],
                 texels[lower + p, 1],
@@ -134,7 +134,7 @@ def _smooth(circles, scales, nearer, weights, blur):
             )
             k = min(k + 1, last)
             p, q, upper, lower = firsts[k, x], seconds[k, x], top[k], bottom[k]
-            coarse = _between(
+            coarse = bilinear(
                 texels[upper + p, 1],
                 texels[upper + q, 1],
                 texels[lower + p, 1],
@@ -271,13 +271,7 @@ def _color_at(texels, chain, scales, level, u, v):
     second = chain.starts[level] + y1 * chain.widths[level]
     p, q, r, s = first + x, first + x1, second + x, second + x1
     return (
-        _between(texels[p, 0], texels[q, 0], texels[r, 0], texels[s, 0], wx, wy),
-        _between(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
-        _between(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
+        bilinear(texels[p, 0], texels[q, 0], texels[r, 0], texels[s, 0], wx, wy),
+        bilinear(texels[p, 1], texels[q, 1], texels[r, 1], texels[s, 1], wx, wy),
+        bilinear(texels[p, 2], texels[q, 2], texels[r, 2], texels[s, 2], wx, wy),
     )
-
-
-@inline
-def _between(p, q, r, s, wx, wy):
-    a, b = p + (q - p) * wx, r + (s - r) * wx
-    return a + (b - a) * wy
