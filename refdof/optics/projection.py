@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from refdof._jit import inline
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["Projection", "projection_of"]
+__all__ = ["Projection", "pixel_ray", "projection_of"]
 
 
 class Projection(NamedTuple):
@@ -19,6 +20,13 @@ class Projection(NamedTuple):
     pixels_per_tangent: float
     lens_radius: float
     inverse_focus: float
+
+
+@inline
+def pixel_ray(projection, x, y):
+    """Slopes (dx, dy) of the pinhole's ray (dx, dy, -1) through the centre of pixel (x, y)."""
+    scale = 1.0 / projection.pixels_per_tangent
+    return (x + 0.5 - 0.5 * projection.width) * scale, (0.5 * projection.height - y - 0.5) * scale
 
 
 def projection_of(camera: Camera, lens: ThinLens, exponent: int) -> Projection:

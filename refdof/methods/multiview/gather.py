@@ -12,7 +12,7 @@ from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
 from refdof.methods.multiview.height_field import Fields, Ray, Search, borrow_fields, next_hit, visit
 from refdof.optics.pixel_samples import LensPattern
-from refdof.optics.projection import Projection
+from refdof.optics.projection import Projection, pixel_ray
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
@@ -150,9 +150,9 @@ def _gather_rows(fields, surface, lens, first, last, out):
 @inline
 def ray_tangents(projection, x, y, vx, vy):
     """Direction (dx, dy, -1) of the ray of pixel (x, y) through lens point v."""
-    dx, dy = (x + 0.5 - 0.5 * projection.width), (0.5 * projection.height - y - 0.5)
-    bend, scale = projection.lens_radius * projection.inverse_focus, 1.0 / projection.pixels_per_tangent
-    return dx * scale - bend * vx, dy * scale - bend * vy
+    dx, dy = pixel_ray(projection, x, y)
+    bend = projection.lens_radius * projection.inverse_focus
+    return dx - bend * vx, dy - bend * vy
 
 
 @inline

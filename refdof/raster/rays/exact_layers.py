@@ -21,7 +21,7 @@ import numpy as np
 
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
-from refdof.optics.projection import Projection
+from refdof.optics.projection import Projection, pixel_ray
 from refdof.raster.rays.embree import Tracer, new_collector
 from refdof.raster.rays.shading import shade, shading_normal
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
@@ -120,12 +120,11 @@ def _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory,
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)
-    scale = 1.0 / projection.pixels_per_tangent
     unit = 2.0**surfaces.exponent
     most = 0
     for y in range(first, last):
         for x in range(projection.width):
-            dx, dy = (x + 0.5 - 0.5 * projection.width) * scale, (0.5 * projection.height - y - 0.5) * scale
+            dx, dy = pixel_ray(projection, x, y)
             _aim(memory, dx, dy)
             call_address(single, scene, memory.ray_address, memory.arguments_address, 0)
             found = min(memory.context[3], capacity)

@@ -4,7 +4,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
-from refdof.optics.projection import Projection
+from refdof.optics.projection import Projection, pixel_ray
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
 
@@ -51,8 +51,7 @@ def pinhole_hit(surfaces, projection, face, x, y):
 
     They are brought back into the triangle: a rasteriser covers centres a little outside, and edge-on far so.
     """
-    scale = 1.0 / projection.pixels_per_tangent
-    dx, dy = (x + 0.5 - 0.5 * projection.width) * scale, (0.5 * projection.height - y - 0.5) * scale
+    dx, dy = pixel_ray(projection, x, y)
     _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
     u, v = max(u, 0.0), max(v, 0.0)
     total = max(u + v, 1.0)
