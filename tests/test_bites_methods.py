@@ -1,0 +1,25 @@
+"""Single steps of the methods by hand, where pictures do not tell."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from refdof.methods._cascaded_layers import filter_layers
+
+pytestmark = pytest.mark.fast
+
+
+@pytest.mark.parametrize(("circle", "steps"), [(0.9, 0), (1.0, 0), (1.1, 1)])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_cascaded_adds_a_layer_where_a_circle_is_beyond_the_anchor(circle, steps, side):
+    # The anchor behind focus: half-way between radii of 0 and of 2 deviations, 2 sqrt(1) px.
+    layering = filter_layers(min(side * circle, 0.0), max(side * circle, 0.0), 50.0, 1.0, 1.0, 1000.0)
+    assert len(layering.deviation) == 1 + steps
+
+
+@pytest.mark.parametrize(("largest", "steps"), [(1.0, 1), (4.5, 3), (5.0, 4), (1000.0, 6)])
+def test_cascaded_adds_no_layer_beyond_the_largest_blur(largest, steps):
+    # Deviations 0, 1, sqrt 5, sqrt 14, sqrt 30, sqrt 55, sqrt 91 and so on: anchors at 1, 3.24, 5.98, 9.22, 12.9, 17,
+    # 21.4 px. Circles of 20 px need six steps, those that are blurred as one of twice the largest deviation fewer.
+    layering = filter_layers(0.0, 20.0, 50.0, 1.0, 1.0, largest)
+    assert_allclose(layering.deviation, np.sqrt([0, 1, 5, 14, 30, 55, 91])[: steps + 1], rtol=1e-15)
