@@ -1,15 +1,16 @@
-"""Cones through one flat layer with holes and copies, against a twin that reads pyramids of 2 x 2 means tent by tent."""
+"""Cones and rays through one flat layer, against a twin that reads pyramids of 2 x 2 means tent by tent."""
 
 import math
 
 import numpy as np
 import pytest
 import stage
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View
 from refdof.lens_pattern import LensPattern
 from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods._multiview_trace import gather, trace_hits
 from refdof.raster.height_field import Search, fields_of
 
 pytestmark = pytest.mark.fast
@@ -74,3 +75,27 @@ def test_a_flat_layer_is_its_twin(c, holes, closes):
     # Texels, points and heights are float32: 6e-8 of places up to 12 px, where colours change by 1 per px, and a
     # quotient of two such means.
     assert_allclose(image, wanted, atol=2e-5)
+
+
+@pytest.mark.parametrize("c", [3.3, -2.4])
+def test_rays_of_two_sets_are_weighed(c):
+    # Pixels of odd x in even rows take the second set. Weights have no mean of 1, as if rays had been dropped.
+    sets = np.array([[0, 1], [0, 0]], np.int32)
+    points, weights = np.stack([POINTS, POINTS[:, ::-1] * 0.6]), np.stack([WEIGHTS, 3.0 * WEIGHTS[::-1]])
+    color = np.random.default_rng(4).random((1, SIZE, SIZE, 3)).astype(np.float32)
+    bounds = np.array([c], np.float32)
+    shot = stage.camera(SIZE, SIZE, 8.0)
+    view = View(stage.scene_of([], shot), shot, ThinLens(0.1, 1.0))
+    fields = fields_of(np.full((1, SIZE, SIZE), c, np.float32), bounds, bounds, 1.0, 0.0, 0.5)
+    pattern = LensPattern(points, weights, sets)
+    image = gather(fields, color, pattern, SEARCH, view.shot(), view.surfaces(), BACKGROUND)
+    texels = trace_hits(fields, pattern, SEARCH).texel
+    wanted, met = np.zeros((SIZE, SIZE, 3)), np.zeros(texels.shape, int)
+    for y, x in np.ndindex(SIZE, SIZE):
+        k = int(y % 2 == 0 and x % 2 == 1)
+        column = np.clip(np.floor(x + 0.5 - c * points[k, :, 0]), 0, SIZE - 1).astype(int)
+        row = np.clip(np.floor(y + 0.5 + c * points[k, :, 1]), 0, SIZE - 1).astype(int)
+        wanted[y, x] = weights[k] @ color[0, row, column].astype(float) / weights[k].sum()
+        met[y, x] = row * SIZE + column
+    assert_allclose(image, wanted, rtol=1e-6)  # float32
+    assert_array_equal(texels, met)
