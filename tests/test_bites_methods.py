@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+import stage
 from numpy.testing import assert_allclose
 
+from refdof import ThinLens, View
+from refdof.methods import lensblur
 from refdof.methods._cascaded_layers import filter_layers
 
 pytestmark = pytest.mark.fast
@@ -23,3 +26,19 @@ def test_cascaded_adds_no_layer_beyond_the_largest_blur(largest, steps):
     # 21.4 px. Circles of 20 px need six steps, those that are blurred as one of twice the largest deviation fewer.
     layering = filter_layers(0.0, 20.0, 50.0, 1.0, 1.0, largest)
     assert_allclose(layering.deviation, np.sqrt([0, 1, 5, 14, 30, 55, 91])[: steps + 1], rtol=1e-15)
+
+
+@pytest.mark.parametrize(("peel", "extension"), [("plain", 0.0), ("umbra", 0.5 + 0.25), ("extended", 1.0 + 0.25)])
+def test_lensblur_extends_samples_as_far_as_they_hide_others(peel, extension):
+    # An umbra ends where the lens sees past half a pixel, or past a whole one; a quarter of a pixel more closes slits.
+    shot, lens = stage.camera(4, 3, 4.0), ThinLens(0.5, 1.0)
+    view = View(stage.scene_of([stage.rectangle(-9, 9, -9, 9, 2.0)], shot, lens), shot, lens)
+    stack = lensblur._stack(view, view.layers(1), lensblur.Params(peel=peel, layers=1))
+    assert stack.extension == extension
+    assert stack.last == 0  # more layers may lie behind
+    assert_allclose(stack.packs[..., 0], 4.0 * 0.5 / 2.0, rtol=1e-6)  # px of parallax, float32
+    assert (stack.packs[..., 1:] == -np.inf).all()
+
+
+def test_lensblur_bounds_all_rays_or_every_fourth():
+    assert lensblur.FOOTPRINTS == {"closed": 0, "rays": 1, "quarter": 4}
