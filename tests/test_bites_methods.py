@@ -1,13 +1,16 @@
 """Single steps of the methods by hand, where pictures do not tell."""
 
+import math
+
 import numpy as np
 import pytest
 import stage
 from numpy.testing import assert_allclose
 
 from refdof import ThinLens, View
-from refdof.methods import lensblur
+from refdof.methods import lensblur, pyramidal
 from refdof.methods._cascaded_layers import filter_layers
+from refdof.raster.disc import covered
 
 pytestmark = pytest.mark.fast
 
@@ -42,3 +45,21 @@ def test_lensblur_extends_samples_as_far_as_they_hide_others(peel, extension):
 
 def test_lensblur_bounds_all_rays_or_every_fourth():
     assert lensblur.FOOTPRINTS == {"closed": 0, "rays": 1, "quarter": 4}
+
+
+@pytest.mark.parametrize(
+    ("largest", "images"), [(0.0, 0), (0.85, 0), (0.86, 1), (2.54, 1), (2.56, 2), (5.09, 2), (5.11, 3), (1e9, 8)]
+)
+def test_pyramidal_needs_another_sub_image_beyond_a_border(largest, images):
+    # Nominal radii of 0, 1.7, 3.4, 6.8 px; borders half-way, at 0.85, 2.55, 5.1 px, which belong to the sharper one.
+    assert pyramidal._side(largest, pyramidal.Params()) == images
+
+
+@pytest.mark.parametrize(
+    ("i", "j", "radius"), [(26, 1, 25.5049014897137), (32, 1, 31.50396800404673), (16, 37, 39.654760117796705)]
+)
+def test_a_disc_that_ends_at_a_pixel_covers_none_of_it(i, j, radius):
+    # The disc ends within a rounding of the pixel's nearest corner or side. Its area is a difference of areas of
+    # 1000 px^2: 1e-12 of roundings, but none below 0, which would be a share of less than nothing.
+    assert abs(math.hypot(i - 0.5, j - 0.5) - radius) < 1e-3
+    assert 0.0 <= covered(i, j, radius) < 1e-2
