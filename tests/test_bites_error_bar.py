@@ -82,6 +82,11 @@ def test_the_tolerance_by_hand(mean, error, above):
         assert todo(np.array([[mean]]), errors, np.full((1, 1), 8)).item() is above
 
 
+@pytest.mark.parametrize(("spent", "goes_on"), [(63, True), (64, False), (128, False)])
+def test_a_pixel_with_most_samples_is_done_however_large_its_error(spent, goes_on):
+    assert todo(np.zeros((1, 1, 3)), np.ones((1, 1, 3)), np.full((1, 1), spent)).item() is goes_on
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_unfinished_pixels_in_words(seed):
     random = np.random.default_rng(seed)
