@@ -7,8 +7,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View
 from refdof._jit import tile_kernel
+from refdof.raster.ambiguity import ambiguous_pixels, near_edges, tied_depths
 from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.gpu_model import GpuModel
+from refdof.raster.gpu_model import EXACT, GpuModel
 from refdof.raster.layer_color import pinhole_hit
 from refdof.raster.triangles import rasterize
 
@@ -16,11 +17,14 @@ pytestmark = pytest.mark.fast
 TRIANGLE = np.array([[0, 1, 2]])
 
 
-def draw(corners, size=(8, 6), faces=TRIANGLE, **words):
-    """Corners (N, 3): x, y [px, y down], depth; one px is one unit of length at depth 8."""
+def placed(corners, size=(8, 6)):
+    """Vertices (N, 3) of corners (N, 3): x, y [px, y down], depth; one px is one unit of length at depth 8."""
     x, y, depth = np.asarray(corners, float).T
-    vertices = np.stack([(x - size[0] / 2) * depth / 8.0, (size[1] / 2 - y) * depth / 8.0, -depth], axis=1)
-    return rasterize(vertices, np.asarray(faces), stage.camera(*size, 8.0), **words)
+    return np.stack([(x - size[0] / 2) * depth / 8.0, (size[1] / 2 - y) * depth / 8.0, -depth], axis=1)
+
+
+def draw(corners, size=(8, 6), faces=TRIANGLE, **words):
+    return rasterize(placed(corners, size), np.asarray(faces), stage.camera(*size, 8.0), **words)
 
 
 def wall(depth):
@@ -157,3 +161,54 @@ def test_pixels_beside_a_triangle_see_its_border():
     # Beyond the slanted side weights are divided by their sum, beyond an upright one they are cut: 7/8 of 12/8.
     assert_allclose(hit(view.surfaces(), view.shot(), 4, 3)[:2], (7 / 12, 5 / 12), rtol=1e-12)
     assert_allclose(hit(view.surfaces(), view.shot(), 4, 0)[:2], (7 / 8, 0.0), atol=1e-12)
+
+
+def to_segment(point, a, b):
+    """Distance of a point from the segment a b, by the nearest of many points on it."""
+    share = np.linspace(0.0, 1.0, 4001)[:, None]
+    return np.hypot(*(a + share * (b - a) - point).T).min()
+
+
+@pytest.mark.parametrize("reach", [0.3, 1.0, 1.7])
+def test_pixels_near_an_edge_by_distance(reach):
+    random = np.random.default_rng(6)
+    for _ in range(10):
+        corners = np.column_stack([random.uniform(-2.0, 10.0, (3, 2)), random.uniform(4.0, 12.0, 3)])
+        mask = near_edges(placed(corners), TRIANGLE, stage.camera(8, 6, 8.0), reach)
+        sides = [(corners[k, :2], corners[(k + 1) % 3, :2]) for k in range(3)]
+        for y, x in np.ndindex(6, 8):
+            distance = min(to_segment(np.array([x + 0.5, y + 0.5]), a, b) for a, b in sides)
+            # Steps of 17 / 4000 px along a side make distances too long by less than 1e-4 px at these reaches.
+            assert mask[y, x] == (distance <= reach) or abs(distance - reach) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("model", "away", "marked"),
+    [
+        (EXACT, 2.0**-13, True),  # the finest grid has steps of 2^-12 px
+        (EXACT, 2.0**-11, False),
+        (GpuModel(subpixel_bits=4), 2.0**-5, True),
+        (GpuModel(subpixel_bits=4), 2.0**-3, False),
+    ],
+)
+def test_a_step_of_the_grid_is_in_doubt(model, away, marked):
+    corners = placed([(2.5 + away, -9.0, 8.0), (90.0, -9.0, 8.0), (2.5 + away, 99.0, 8.0)])
+    mask = ambiguous_pixels(corners, TRIANGLE, stage.camera(8, 6, 8.0), np.full((1, 6, 8), np.inf), model)
+    assert (mask[:, 2] == marked).all()
+    assert not mask[:, [0, 1, 3, 4, 5, 6, 7]].any()
+
+
+def test_edges_before_the_near_plane_are_not_seen():
+    # The near plane is a millionth of the largest coordinate away; the second triangle lies between it and the eye.
+    corners = placed([(-99.0, -99.0, 1.0), (-99.0, -98.0, 1.0), (-98.0, -99.0, 1.0)])
+    largest = np.abs(corners).max()
+    closer = placed([(2.0, 2.0, 2e-7), (6.0, 2.0, 3e-7), (2.0, 5.0, 4e-7)]) * largest
+    for second, seen in ((closer, False), (closer * 100.0, True)):
+        vertices = np.concatenate([corners, second])
+        mask = near_edges(vertices, [[0, 1, 2], [3, 4, 5]], stage.camera(8, 6, 8.0), 0.6)
+        assert mask.any() == seen
+
+
+def test_tied_depths_by_hand():
+    depth = np.array([1.0, 2.0, 2.0, np.inf, np.inf]), np.array([1.0, 2.0, 2.0 + 1e-3, 3.0, np.inf])
+    assert_array_equal(tied_depths(np.array(depth).T[:, None]), [[True, False]])
