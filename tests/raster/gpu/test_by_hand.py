@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
-import stage
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View
-from refdof._jit import tile_kernel
-from refdof.raster.ambiguity import ambiguous_pixels, near_edges, tied_depths
-from refdof.raster.depth_peeling import peel_raster
-from refdof.raster.gpu_model import EXACT, GpuModel
-from refdof.raster.layer_color import pinhole_hit
-from refdof.raster.triangles import rasterize
+from refdof._jit.compile import tile_kernel
+from refdof.raster.gpu.ambiguity import ambiguous_pixels, near_edges, tied_depths
+from refdof.raster.gpu.depth_peeling import peel_raster
+from refdof.raster.gpu.gpu_model import EXACT, GpuModel
+from refdof.raster.gpu.rasterize import rasterize
+from refdof.raster.rays.layer_color import pinhole_hit
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 TRIANGLE = np.array([[0, 1, 2]])
@@ -24,7 +24,7 @@ def placed(corners, size=(8, 6)):
 
 
 def draw(corners, size=(8, 6), faces=TRIANGLE, **words):
-    return rasterize(placed(corners, size), np.asarray(faces), stage.camera(*size, 8.0), **words)
+    return rasterize(placed(corners, size), np.asarray(faces), flat_scene.camera(*size, 8.0), **words)
 
 
 def wall(depth):
@@ -136,7 +136,7 @@ def test_peeling_leaves_out_umbrae(umbra, depths):
     corners = np.array(wall(2.0) + wall(2.1) + wall(10.0))
     x, y, depth = corners.T
     vertices = np.stack([x * depth, y * depth, -depth], axis=1)
-    found = peel_raster(vertices, np.arange(9).reshape(3, 3), stage.camera(5, 4, 8.0), 4, umbra=umbra)
+    found = peel_raster(vertices, np.arange(9).reshape(3, 3), flat_scene.camera(5, 4, 8.0), 4, umbra=umbra)
     assert_allclose(found.depth, np.broadcast_to(np.reshape(depths, (-1, 1, 1)), (len(depths), 4, 5)), rtol=1e-12)
 
 
@@ -145,25 +145,25 @@ def test_peeling_stops_at_its_count(count):
     corners = np.array(wall(2.0) + wall(2.1) + wall(10.0))
     x, y, depth = corners.T
     vertices = np.stack([x * depth, y * depth, -depth], axis=1)
-    found = peel_raster(vertices, np.arange(9).reshape(3, 3), stage.camera(5, 4, 8.0), count)
+    found = peel_raster(vertices, np.arange(9).reshape(3, 3), flat_scene.camera(5, 4, 8.0), count)
     assert len(found.depth) == min(count, 3)
 
 
 @tile_kernel
-def hit(surfaces, shot, x, y):
-    return pinhole_hit(surfaces, shot, 0, x, y)
+def hit(surfaces, projection, x, y):
+    return pinhole_hit(surfaces, projection, 0, x, y)
 
 
 def test_pixels_beside_a_triangle_see_its_border():
     # The triangle (1, 1), (5, 1), (1, 5) px of a picture of 8 x 6 px, at depth 8.
     corners = np.array([(-3.0, 2.0, -8.0), (1.0, 2.0, -8.0), (-3.0, -2.0, -8.0)])
-    shot = stage.camera(8, 6, 8.0)
-    view = View(stage.scene_of([stage.Part(corners, TRIANGLE)], shot), shot, ThinLens(0.1, 1.0))
+    projection = flat_scene.camera(8, 6, 8.0)
+    view = View(flat_scene.scene_of([flat_scene.Part(corners, TRIANGLE)], projection), projection, ThinLens(0.1, 1.0))
     for x, y, u, v in ((1, 1, 1 / 8, 1 / 8), (2, 3, 3 / 8, 5 / 8), (3, 1, 5 / 8, 1 / 8), (0, 2, 0, 3 / 8)):
-        assert_allclose(hit(view.surfaces(), view.shot(), x, y), (u, v, (x - 3.5) / 8, (2.5 - y) / 8), atol=1e-12)
+        assert_allclose(hit(view.surfaces(), view.projection(), x, y), (u, v, (x - 3.5) / 8, (2.5 - y) / 8), atol=1e-12)
     # Beyond the slanted side weights are divided by their sum, beyond an upright one they are cut: 7/8 of 12/8.
-    assert_allclose(hit(view.surfaces(), view.shot(), 4, 3)[:2], (7 / 12, 5 / 12), rtol=1e-12)
-    assert_allclose(hit(view.surfaces(), view.shot(), 4, 0)[:2], (7 / 8, 0.0), atol=1e-12)
+    assert_allclose(hit(view.surfaces(), view.projection(), 4, 3)[:2], (7 / 12, 5 / 12), rtol=1e-12)
+    assert_allclose(hit(view.surfaces(), view.projection(), 4, 0)[:2], (7 / 8, 0.0), atol=1e-12)
 
 
 def to_segment(point, a, b):
@@ -177,7 +177,7 @@ def test_pixels_near_an_edge_by_distance(reach):
     random = np.random.default_rng(6)
     for _ in range(10):
         corners = np.column_stack([random.uniform(-2.0, 10.0, (3, 2)), random.uniform(4.0, 12.0, 3)])
-        mask = near_edges(placed(corners), TRIANGLE, stage.camera(8, 6, 8.0), reach)
+        mask = near_edges(placed(corners), TRIANGLE, flat_scene.camera(8, 6, 8.0), reach)
         sides = [(corners[k, :2], corners[(k + 1) % 3, :2]) for k in range(3)]
         for y, x in np.ndindex(6, 8):
             distance = min(to_segment(np.array([x + 0.5, y + 0.5]), a, b) for a, b in sides)
@@ -196,7 +196,7 @@ def test_pixels_near_an_edge_by_distance(reach):
 )
 def test_a_step_of_the_grid_is_in_doubt(model, away, marked):
     corners = placed([(2.5 + away, -9.0, 8.0), (90.0, -9.0, 8.0), (2.5 + away, 99.0, 8.0)])
-    mask = ambiguous_pixels(corners, TRIANGLE, stage.camera(8, 6, 8.0), np.full((1, 6, 8), np.inf), model)
+    mask = ambiguous_pixels(corners, TRIANGLE, flat_scene.camera(8, 6, 8.0), np.full((1, 6, 8), np.inf), model)
     assert (mask[:, 2] == marked).all()
     assert not mask[:, [0, 1, 3, 4, 5, 6, 7]].any()
 
@@ -208,7 +208,7 @@ def test_edges_before_the_near_plane_are_not_seen():
     closer = placed([(2.0, 2.0, 2e-7), (6.0, 2.0, 3e-7), (2.0, 5.0, 4e-7)]) * largest
     for second, seen in ((closer, False), (closer * 100.0, True)):
         vertices = np.concatenate([corners, second])
-        mask = near_edges(vertices, [[0, 1, 2], [3, 4, 5]], stage.camera(8, 6, 8.0), 0.6)
+        mask = near_edges(vertices, [[0, 1, 2], [3, 4, 5]], flat_scene.camera(8, 6, 8.0), 0.6)
         assert mask.any() == seen
 
 

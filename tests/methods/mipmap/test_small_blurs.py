@@ -1,13 +1,13 @@
 """Mipmap interpolation where the picture has more levels than its blur needs, against the equations pixel by pixel."""
 
-import naive_mipmap_interpolation as naive
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from refdof.methods import mipmap
-from refdof.methods.mipmap import Params
-from refdof.trace import Trace
+from refdof.methods.mipmap import method as mipmap
+from refdof.methods.mipmap.method import Params
+from refdof.stages import StageRecorder
+from tests.methods.mipmap import naive
 
 pytestmark = pytest.mark.fast
 
@@ -19,7 +19,7 @@ def test_levels_that_small_blurs_need(largest, levels, blend):
     random = np.random.default_rng(8)
     color, coc = random.random((18, 17, 3)), random.uniform(-largest, largest, (18, 17))
     coc[4, 5] = -largest
-    trace = Trace(on=True)
+    trace = StageRecorder(on=True)
     image = mipmap._blur(color, coc, Params(blend=blend), trace)
     expected, twin = naive.mipmap(color, coc, geometric=blend == "geometric")
     assert sum(name.startswith("color ") for name in trace.stages) == len(twin["colors"]) == levels

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-import stage
 from numpy.testing import assert_array_equal
 
 from refdof import Part, ThinLens, View
-from refdof.small_lights import first_samples
+from refdof.truth.emitters import first_samples
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 
@@ -20,13 +20,13 @@ EIGHT_HITS = math.ceil(8 / (2 / (64 * math.pi)))  # 805
 
 def lamp(color=(4.0, 1.0, 1.0), depth=DEPTH, x=0.3, y=-0.4, **part):
     """Two by two pixels around (W / 2 + x, H / 2 - y) at `depth`."""
-    found = stage.rectangle(*(np.array([x - 1, x + 1, y - 1, y + 1]) * depth / P), depth, color)
+    found = flat_scene.rectangle(*(np.array([x - 1, x + 1, y - 1, y + 1]) * depth / P), depth, color)
     return Part(found.vertices, part.get("faces", found.faces), found.material, color=part.get("vertex_color"))
 
 
 def samples(parts, lens=LENS, tolerance=0.02):
-    shot = stage.camera(WIDTH, HEIGHT, P)
-    return first_samples(View(stage.scene_of(parts, shot, lens), shot, lens), tolerance)
+    projection = flat_scene.camera(WIDTH, HEIGHT, P)
+    return first_samples(View(flat_scene.scene_of(parts, projection, lens), projection, lens), tolerance)
 
 
 def box(count, rows, columns):
@@ -87,6 +87,6 @@ def test_the_largest_disc_of_a_deep_lamp_counts():
 
 def test_two_lamps_ask_for_the_larger_number():
     # The second stands 6 px to the right and is half as wide.
-    small = stage.rectangle(*(np.array([5.8, 6.8, -1.4, 0.6]) * DEPTH / P), DEPTH, (4.0, 1.0, 1.0))
+    small = flat_scene.rectangle(*(np.array([5.8, 6.8, -1.4, 0.6]) * DEPTH / P), DEPTH, (4.0, 1.0, 1.0))
     both = np.maximum(box(805, (2, 23), (6, 27)), box(math.ceil(8 / (1 / (64 * math.pi))), (2, 23), (12, 32)))
     assert_array_equal(samples([lamp(), small], tolerance=0.01), both)

@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Camera, Light, Material, Part, Scene, ThinLens
-from refdof._jit import tile_kernel
-from refdof.shading import shade
-from refdof.surfaces import surfaces_of
+from refdof._jit.compile import tile_kernel
+from refdof.raster.rays.shading import shade
+from refdof.raster.rays.surfaces import surfaces_of
 
 pytestmark = pytest.mark.fast
 COUNT = 40  # points per material

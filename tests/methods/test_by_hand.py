@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
-import stage
 from numpy.testing import assert_allclose
 
 from refdof import ThinLens, View
-from refdof.methods import lensblur, pyramidal
-from refdof.methods._cascaded_layers import filter_layers
-from refdof.raster.disc import covered
+from refdof.methods.cascaded.layers import filter_layers
+from refdof.methods.lensblur import method as lensblur
+from refdof.methods.pyramidal import method as pyramidal
+from refdof.methods.scatter.disc import covered
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 
@@ -34,8 +35,8 @@ def test_cascaded_adds_no_layer_beyond_the_largest_blur(largest, steps):
 @pytest.mark.parametrize(("peel", "extension"), [("plain", 0.0), ("umbra", 0.5 + 0.25), ("extended", 1.0 + 0.25)])
 def test_lensblur_extends_samples_as_far_as_they_hide_others(peel, extension):
     # An umbra ends where the lens sees past half a pixel, or past a whole one; a quarter of a pixel more closes slits.
-    shot, lens = stage.camera(4, 3, 4.0), ThinLens(0.5, 1.0)
-    view = View(stage.scene_of([stage.rectangle(-9, 9, -9, 9, 2.0)], shot, lens), shot, lens)
+    projection, lens = flat_scene.camera(4, 3, 4.0), ThinLens(0.5, 1.0)
+    view = View(flat_scene.scene_of([flat_scene.rectangle(-9, 9, -9, 9, 2.0)], projection, lens), projection, lens)
     stack = lensblur._stack(view, view.layers(1), lensblur.Params(peel=peel, layers=1))
     assert stack.extension == extension
     assert stack.last == 0  # more layers may lie behind

@@ -4,23 +4,25 @@ import math
 
 import numpy as np
 import pytest
-import stage
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View, render
-from refdof.methods.multiview import Params, cone_width
-from refdof.sampling import lens_samples
+from refdof.methods.multiview.method import Params, cone_width
+from refdof.optics.lens_samples import lens_samples
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 
 
 def scene(width, height, coc):
     """A card of 1 px in the texel of column 8 and row 6, `coc` px in front of focus, and nothing else; and its lens."""
-    shot, lens = stage.camera(width, height, 16.0), ThinLens(0.5, 1.0)
+    projection, lens = flat_scene.camera(width, height, 16.0), ThinLens(0.5, 1.0)
     depth = 1.0 / (1.0 + coc / (16.0 * 0.5))
     x, y = 8.5 - width / 2, height / 2 - 6.5
-    card = stage.rectangle(*(np.array([x - 0.4, x + 0.4, y - 0.4, y + 0.4]) * depth / 16.0), depth, (1.0, 0.5, 0.25))
-    return stage.scene_of([card], shot, lens)
+    card = flat_scene.rectangle(
+        *(np.array([x - 0.4, x + 0.4, y - 0.4, y + 0.4]) * depth / 16.0), depth, (1.0, 0.5, 0.25)
+    )
+    return flat_scene.scene_of([card], projection, lens)
 
 
 @pytest.mark.parametrize("samples", [2, 3, 8, 13])
@@ -55,8 +57,8 @@ def test_culling_changes_no_bit_of_wide_cones(samples, coc):
 
 @pytest.mark.parametrize(("cones", "share"), [("paper", 0.5), ("text", 1.0)])
 def test_cones_are_as_wide_as_neighbours_are_apart(cones, share):
-    shot, lens = stage.camera(8, 6, 8.0), ThinLens(0.5, 1.0)
-    view = View(stage.scene_of([], shot, lens), shot, lens)
+    projection, lens = flat_scene.camera(8, 6, 8.0), ThinLens(0.5, 1.0)
+    view = View(flat_scene.scene_of([], projection, lens), projection, lens)
     points = lens_samples(11, "vogel", 1, lens.aperture)[0]
     nearest = [min(math.dist(p, q) for j, q in enumerate(points) if j != i) for i, p in enumerate(points)]
     assert_allclose(cone_width(view, Params(samples=11, cones=cones)), share * np.mean(nearest), rtol=1e-12)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from refdof import metrics
 from refdof._check import InputError
-from refdof.display import display
+from refdof.image.display import display
 
 pytestmark = pytest.mark.fast
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from refdof.error_bar import summarise, unfinished
+from refdof.truth.error_bar import summarise, unfinished
 
 pytestmark = pytest.mark.fast
 

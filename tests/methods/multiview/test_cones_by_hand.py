@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
-import stage
 from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View
-from refdof.lens_pattern import LensPattern
-from refdof.methods._multiview_cones import FOOTPRINT, gather_cones, mip_chain
-from refdof.methods._multiview_trace import gather, trace_hits
-from refdof.raster.height_field import Search, fields_of
+from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods.multiview.gather import gather, trace_hits
+from refdof.methods.multiview.height_field import Search, fields_of
+from refdof.optics.pixel_samples import LensPattern
+from tests import flat_scene
 
 pytestmark = pytest.mark.fast
 SIZE, WIDENING, BACKGROUND = 8, 0.8, (0.1, 0.2, 0.9)
@@ -64,13 +64,13 @@ def test_a_flat_layer_is_its_twin(c, holes, closes):
     filled, copied = random.random((SIZE, SIZE)) >= holes, random.random((SIZE, SIZE)) < 0.25
     coc = np.where(filled, c, np.inf)[None].astype(np.float32)
     bounds = np.array([c], np.float32)
-    shot = stage.camera(SIZE, SIZE, 8.0)
-    view = View(stage.scene_of([], shot), shot, ThinLens(0.1, 1.0))
+    projection = flat_scene.camera(SIZE, SIZE, 8.0)
+    view = View(flat_scene.scene_of([], projection), projection, ThinLens(0.1, 1.0))
     pattern = LensPattern(POINTS[None], WEIGHTS[None], np.zeros((1, 1), np.int32))
     reach = np.array([1.0]) if closes else None
     chain = mip_chain(color, coc, (copied & filled)[None], WIDENING * abs(c), reach)
     fields = fields_of(coc, bounds, bounds, 1.0, FOOTPRINT * WIDENING, 0.5)
-    image = gather_cones(fields, chain, WIDENING, pattern, SEARCH, view.shot(), view.surfaces(), BACKGROUND)
+    image = gather_cones(fields, chain, WIDENING, pattern, SEARCH, view.projection(), view.surfaces(), BACKGROUND)
     wanted = twin(color[0].astype(float), filled, copied & filled, float(np.float32(c)), closes)
     # Texels, points and heights are float32: 6e-8 of places up to 12 px, where colours change by 1 per px, and a
     # quotient of two such means.
@@ -84,11 +84,11 @@ def test_rays_of_two_sets_are_weighed(c):
     points, weights = np.stack([POINTS, POINTS[:, ::-1] * 0.6]), np.stack([WEIGHTS, 3.0 * WEIGHTS[::-1]])
     color = np.random.default_rng(4).random((1, SIZE, SIZE, 3)).astype(np.float32)
     bounds = np.array([c], np.float32)
-    shot = stage.camera(SIZE, SIZE, 8.0)
-    view = View(stage.scene_of([], shot), shot, ThinLens(0.1, 1.0))
+    projection = flat_scene.camera(SIZE, SIZE, 8.0)
+    view = View(flat_scene.scene_of([], projection), projection, ThinLens(0.1, 1.0))
     fields = fields_of(np.full((1, SIZE, SIZE), c, np.float32), bounds, bounds, 1.0, 0.0, 0.5)
     pattern = LensPattern(points, weights, sets)
-    image = gather(fields, color, pattern, SEARCH, view.shot(), view.surfaces(), BACKGROUND)
+    image = gather(fields, color, pattern, SEARCH, view.projection(), view.surfaces(), BACKGROUND)
     texels = trace_hits(fields, pattern, SEARCH).texel
     wanted, met = np.zeros((SIZE, SIZE, 3)), np.zeros(texels.shape, int)
     for y, x in np.ndindex(SIZE, SIZE):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from refdof._jit import tile_kernel
-from refdof.raster.filters import lerp, rules_of
-from refdof.raster.gpu_model import D3D11, EXACT, LLVMPIPE
-from refdof.raster.mipmap import _drawn_centres
-from refdof.raster.texture import bilinear, trilinear
+from refdof._jit.compile import tile_kernel
+from refdof.raster.filters.mip_chain import _drawn_centres
+from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
+from refdof.raster.gpu.texture import bilinear, trilinear
+from refdof.raster.gpu.texture_sampling import lerp, rules_of
 
 pytestmark = pytest.mark.fast
 
