@@ -7,19 +7,19 @@ walk is cut. What an uncut walk meets is asked of every sample by itself, and he
 import numpy as np
 import pytest
 
-from refdof._jit import kernel
+from refdof._jit import tile_kernel
 from refdof.methods.lensblur.texel_walk import PACK, Ray, enter_picture, first_hit, pack_layers
 
 pytestmark = pytest.mark.fast
 SIZE = 4
 
 
-@kernel
+@tile_kernel
 def walk(packs, ax, ay, wx, wy, near, far):
     return first_hit(packs, 0, Ray(ax, ay, wx, wy), near, far, 0.0)
 
 
-@kernel
+@tile_kernel
 def border(width, height, ax, ay, wx, wy):
     return enter_picture(width, height, Ray(ax, ay, wx, wy))
 
