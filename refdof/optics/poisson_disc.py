@@ -136,10 +136,10 @@ def _miss(goal: Moments, points: Float) -> float:
 def _with_moments(goal: Moments, points: Float) -> Float:
     """Points moved by the least affine map that gives them the mean and the covariance of `goal`."""
     offset = points - points.mean(axis=0)
-    own = offset.T @ offset / len(points)
-    if len(points) == 2 or np.linalg.det(own) <= 1e-12 * np.trace(own) ** 2:  # on a line
-        return goal.mean + offset * math.sqrt(np.trace(goal.covariance) / max(np.trace(own), 1e-300))
-    root = _root(own)
+    spread = offset.T @ offset / len(points)
+    if len(points) == 2 or np.linalg.det(spread) <= 1e-12 * np.trace(spread) ** 2:  # on a line
+        return goal.mean + offset * math.sqrt(np.trace(goal.covariance) / max(np.trace(spread), 1e-300))
+    root = _root(spread)
     inverse = np.linalg.inv(root)
     return goal.mean + offset @ (inverse @ _root(root @ goal.covariance @ root) @ inverse)
 

@@ -182,7 +182,7 @@ class _Drawing(NamedTuple):
 
 @tile_kernel
 def _draw_tile(drawing, chosen, row, column, raster):
-    """Draw the `chosen` clipped, ascending, into the pixels of one tile. raster.depth holds keys."""
+    """Draw the `chosen` clipped triangles, ascending, into the pixels of one tile. raster.depth holds keys."""
     vertices, faces, clipped, bits, near, far, code, scale, previous = drawing
     height, width = raster.depth.shape
     plane, ray = np.empty(11, dtype=vertices.dtype), np.empty(2, dtype=vertices.dtype)
