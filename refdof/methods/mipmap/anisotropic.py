@@ -112,8 +112,9 @@ def _begin(color, coc, colors, circles):
 
 @kernel
 def _downsample(color, circles, delta, shares, coarse_color, coarse_circles):
-    columns = _columns(circles.shape[1], coarse_circles.shape[1], shares)
+    places, weights, right = _columns(circles.shape[1], coarse_circles.shape[1], shares)
     for y in prange(len(coarse_circles)):
+        columns = Columns(places, weights, right)  # one made outside cannot enter the parallel loop
         _downsample_row(y, color, circles, columns, delta, shares, coarse_color, coarse_circles)
 
 

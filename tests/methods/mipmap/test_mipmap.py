@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from refdof import InputError, ThinLens, View
 from refdof.methods import mipmap
-from refdof.methods.mipmap import Params, blur, texture_reads
+from refdof.methods.mipmap import Params, anisotropic, blur, texture_reads
 from refdof.methods.mipmap.anisotropic import downsample, foreground_blur
 from refdof.raster.filters.mip_chain import gaussian_mipmaps
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
@@ -145,6 +145,22 @@ def weighted(left, centre, right, keep):
     """Mean of three taps, Gaussian at distance 1, 0, 1, of those to keep."""
     weights = np.array([math.exp(-0.5), 1.0, math.exp(-0.5)]) * keep
     return weights @ [left, centre, right] / weights.sum()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_rows_may_be_shared_among_threads(monkeypatch, dtype):
+    # Large levels take parallel loops, small ones do not: the same bits.
+    random = np.random.default_rng(11)
+    color, coc = random.random((37, 42, 4)).astype(dtype), random.uniform(-6.0, 6.0, (37, 42)).astype(dtype)
+    circles = np.stack([coc, np.abs(coc)], axis=-1)
+    found = []
+    for small in (anisotropic._SMALL, 0):
+        monkeypatch.setattr(anisotropic, "_SMALL", small)
+        coarse, sizes = np.empty((18, 21, 4), dtype), np.empty((18, 21, 2), dtype)
+        downsample(color, circles, 1.0, coarse, sizes)
+        found.append((coarse, sizes, foreground_blur(circles, 18, 21)))
+    for small, large in zip(*found, strict=True):
+        np.testing.assert_array_equal(small, large)
 
 
 def test_a_tap_may_be_sharper_by_delta_and_no_more():
