@@ -1,4 +1,4 @@
-"""The noise floor against its definition: the mean square of normal noise that a clip at white leaves on the display."""
+"""The noise floor against its definition: the mean square of normal noise that a clip at white leaves to be seen."""
 
 import math
 
