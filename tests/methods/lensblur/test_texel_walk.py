@@ -78,6 +78,13 @@ def test_where_rays_come_into_the_picture():
     assert border(4, 3, 0.0, 1.5, -1.0, 0.0) == 0.0
 
 
+def test_a_walk_begun_on_a_border_begins_in_the_texel_that_the_ray_leaves():
+    # Over 4 - u: at u = 2 from texel 1 into texel 2; a sample of texel 1 is at 2, too. The same along y.
+    packs = pack_layers(np.where(np.indices((1, SIZE, SIZE)).sum(axis=0) == 2, 2.0, -np.inf))  # texel (1, 1) and beside
+    assert walk(packs, 4.0, 1.5, -1.0, 0.0, 2.0, 0.0)[:4] == (0, 1, 1, 2.0)
+    assert walk(packs, 1.5, 4.0, 0.0, -1.0, 2.0, 0.0)[:4] == (0, 1, 1, 2.0)
+
+
 def test_a_ray_through_a_corner_passes_the_texel_above_or_below():
     # Over (u, u) from 3.5 down: through the corner of four texels at u = 2, out of texel (2, 2) and into (1, 1).
     parallax = np.full((1, SIZE, SIZE), -np.inf)

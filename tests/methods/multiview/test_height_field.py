@@ -9,7 +9,7 @@ import pytest
 
 from refdof._jit import tile_kernel
 from refdof.methods.multiview.gather import culled_layers, trace_hits
-from refdof.methods.multiview.height_field import Ray, Search, fields_of, step
+from refdof.methods.multiview.height_field import Ray, Search, fields_of, first_texel, step
 from refdof.optics.pixel_samples import LensPattern
 
 pytestmark = pytest.mark.fast
@@ -231,6 +231,17 @@ def test_rays_along_the_images_border_are_ambiguous():
 @tile_kernel
 def stepped(px, py, vx, vy, x, y):
     return step(Ray(px, py, vx, vy), x, y, 99.0, 8, 8)
+
+
+@tile_kernel
+def first_of(c):
+    return first_texel(Ray(1.5, 0.5, 1.0, 0.5), c, 6, 4)
+
+
+def test_a_walk_begins_beside_the_image_if_the_ray_does():
+    # Over (1.5 - c, 0.5 + c / 2), in an image of 6 x 4 texels.
+    assert [first_of(c) for c in (0.0, 1.75, 2.0, 99.0)] == [(1, 0), (-1, 1), (-1, 1), (-1, 4)]
+    assert [first_of(c) for c in (-1.25, -4.5, -99.0)] == [(2, -1), (6, -1), (6, -1)]
 
 
 def test_at_a_corner_a_ray_goes_to_the_texel_beside():
