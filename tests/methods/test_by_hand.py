@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from refdof import ThinLens, View
+from refdof.methods import poisson
 from refdof.methods.cascaded.layers import filter_layers
 from refdof.methods.lensblur import method as lensblur
 from refdof.methods.pyramidal import method as pyramidal
@@ -64,3 +65,10 @@ def test_a_disc_that_ends_at_a_pixel_covers_none_of_it(i, j, radius):
     # 1000 px^2: 1e-12 of roundings, but none below 0, which would be a share of less than nothing.
     assert abs(math.hypot(i - 0.5, j - 0.5) - radius) < 1e-3
     assert 0.0 <= covered(i, j, radius) < 1e-2
+
+
+def test_poisson_blurs_what_is_at_infinity_in_full():
+    # In focus at 3, beyond all that is not at infinity: circles are 1/3 - 1/d. Before it the code falls to 0 at the
+    # nearest depth: 1/2 + 1/2 (d / 3 - 1) / (1 - 1 / 3).
+    depth = np.array([[1.0, 2.0, np.inf]])
+    assert_allclose(poisson._code(depth, 1.0 / 3.0 - 1.0 / depth, poisson.Params()), [[0.0, 0.25, 1.0]], atol=1e-15)

@@ -51,6 +51,17 @@ def test_noise_moves_each_point_by_a_pair_of_numbers_of_its_own():
     assert (~same).any()
 
 
+def test_points_that_share_a_pair_of_numbers_follow_each_other():
+    # 32 points, 16 pairs: points 2 k and 2 k + 1 move alike.
+    aperture = Aperture.disc()
+    still = lens_pattern(32, aperture, "none", "vogel", 5).points[0]
+    moved = lens_pattern(32, aperture, "noise", "vogel", 5).points
+    shift = moved[:, :16] - still[:16]  # of a spiral: within 0.71 of the middle
+    assert np.abs(shift).max() < 0.2  # none was mirrored at the rim
+    assert_allclose(shift[:, ::2], shift[:, 1::2], atol=1e-15)  # a rounding of each sum
+    assert np.abs(shift[:, 1:-1:2] - shift[:, 2::2]).max(axis=(0, 2)).min() > 0.05
+
+
 def test_points_beyond_the_rim_come_back_and_do_not_gather_there():
     points = lens_pattern(8, Aperture.disc(), "noise", "vogel", 2).points
     reach = np.hypot(points[..., 0], points[..., 1])

@@ -1,5 +1,7 @@
 """Scrambled nets keep their strata, scrambles are uniform and unrelated, and the aperture's map keeps areas."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -157,3 +159,28 @@ def test_an_image_is_sampled_by_its_transmission():
     np.add.at(counts, (row, column), 1)
     # A regular grid of 64 x 64 points hits every share to within one row of it.
     np.testing.assert_allclose(counts / len(points), weights / 8.0, atol=1 / 64)
+
+
+def split_mix(state):
+    """SplitMix64 as its authors print it, in Python's whole numbers: outputs one after another."""
+    while True:
+        state = (state + 0x9E3779B97F4A7C15) % 2**64
+        z = (state ^ (state >> 30)) * 0xBF58476D1CE4E5B9 % 2**64
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EB % 2**64
+        yield z ^ (z >> 31)
+
+
+def output(state, number):
+    return next(islice(split_mix(state), number, None))
+
+
+def test_seeds_are_a_generators_outputs():
+    # The first outputs for state 0 are published with the generator.
+    assert [output(0, k) for k in range(3)] == [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F]
+    with np.errstate(over="ignore"):
+        assert [axis_seed(np.uint64(0), axis) for axis in range(3)] == [0xE220A839, 0x6E789E6A, 0x06C45D18]
+        # Of replicates, then of pixels, then of axes.
+        for seed, replicate, pixel, axis in ((0, 0, 0, 0), (1, 0, 3, 2), (7, 2, 0, 1), (2**32 - 1, 5, 40, 3)):
+            state = scramble_state(np.uint32(seed), replicate, pixel)
+            assert int(state) == output(output(seed, replicate), pixel)
+            assert axis_seed(state, axis) == output(int(state), axis) >> 32

@@ -159,3 +159,12 @@ def test_a_box_takes_what_lies_outside_for_nothing():
     mirrored[0, 0, 0] = 1.0
     box_blur(mirrored, 1.0, np.empty_like(planes))
     np.testing.assert_allclose(mirrored[0], wanted[::-1, ::-1], atol=1e-15)
+
+
+def test_a_coarse_gaussian_of_the_least_deviation_is_wide_enough():
+    # Deviation d with (d / 2)^2 - 1/4 = 0.8^2 to the last bit, and the number below it.
+    deviation = float.fromhex("0x1.e30513d6a7203p+0")
+    assert (deviation / 2.0) ** 2 - 0.25 == 0.8**2
+    assert pyramid_of(deviation) == (2, math.sqrt(0.8**2))
+    assert pyramid_of(math.nextafter(deviation, 0.0)) == (1, math.nextafter(deviation, 0.0))
+    assert pyramid_of(4.0 * deviation) == (8, math.sqrt(0.8**2))

@@ -87,3 +87,13 @@ def test_the_first_and_the_last_texel_belong_to_the_picture(upright, column):
 def test_nothing_below_leaves_nothing():
     near, far = left_of({0: 8.0}, 4, 3.0, near=4.0, far=2.5)
     assert near < far
+
+
+@pytest.mark.parametrize("upright", [False, True])
+@pytest.mark.parametrize("rays", [False, True])
+@pytest.mark.parametrize("column", [0, 4])
+def test_texels_a_hundredth_beyond_the_bounds_are_looked_at(upright, rays, column):
+    # From 4.495 to 3 the middle pixel's circle is 1.495 px wide: up to 1.005 and 3.995, next to the outer texels.
+    words = {"far": 3.0, "upright": upright, "rays": rays}
+    assert left_of({2: 3.0, column: 4.0}, 2, 3.0, near=4.495, **words) == (4.0, 3.0)
+    assert left_of({2: 3.0, column: 4.0}, 2, 3.0, near=4.485, **words) == (3.0, 3.0)

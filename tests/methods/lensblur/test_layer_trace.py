@@ -104,6 +104,19 @@ def test_a_ray_comes_into_the_picture_at_its_border(upright):
     assert meet([{1: 4.0}], upright=upright, **RIGHT) == "background"
 
 
+def test_a_ray_that_stays_in_the_picture_meets_what_is_as_near_as_may_be():
+    for u in (1.0, 1e31, 1e300):
+        assert meet([{1: u}], pixel=1, v=0.0, focus=1.0) == (0, 1)
+
+
+def test_a_pack_is_not_walked_below_what_another_was_met_at():
+    # Met at 2.5 in texel 2, in one step. The next pack's walk begins there, too, at 2.75, and leaves that texel at 2.
+    parallax = stack_of([{2: 2.5}, {}, {}, {}, {0: 2.75}], 4)
+    traced = trace(parallax, np.zeros((5, 1, 4, 3), np.float32), (1.0, 0.0), 0.5, iterations=0)
+    assert traced.missed[0, 0] == 0.0
+    assert traced.steps[0, 0] == 2.0
+
+
 @pytest.mark.parametrize("upright", [False, True])
 def test_a_ray_that_ends_outside_the_picture_is_missed(upright):
     # Ends at 1/2 - f v from the left side, and at width - 1/2 + f |v|.
@@ -154,6 +167,9 @@ def test_a_sample_is_met_at_the_side_from_above_its_own_surface(upright):
     # A second sample of the texel before counts as well, in whichever pack it is.
     assert meet([{2: 9.0, 1: 2.5}, {2: 1.75}], extension=1.0, upright=upright, **LEFT) == (0, 1)
     deep = [{2: 9.0, 1: 2.5}, {2: 8.0}, {2: 7.0}, {2: 6.0}, {2: 1.75}]
+    assert meet(deep, extension=1.0, upright=upright, **LEFT) == (0, 1)
+    # One of another pack just where the ray comes in is not passed either, and the first layer counts.
+    deep[4] = {2: 2.0}
     assert meet(deep, extension=1.0, upright=upright, **LEFT) == (0, 1)
 
 

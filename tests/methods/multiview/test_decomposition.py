@@ -65,6 +65,29 @@ def test_the_overlap_of_counted_layers_is_a_share_of_their_spacing():
     assert found == {0: {-12}, 3: {-5}, 4: {-5, -2}}
 
 
+def test_a_fragment_that_a_rounding_puts_behind_the_last_vertex_is_kept():
+    # The card at 49 is drawn at 1 / (1 / 49), a rounding farther. The lens makes its circle a number halfway between
+    # two of float32: with 49 it becomes -2 px, and with that rounding the next one above -2.
+    lens, beyond = ThinLens(49.0 * (2.0 - 2.0**-24) / 12.0, np.inf), 1.0 / (1.0 / 49.0)
+    shot = flat_scene.camera(2, 2, 12.0)
+    assert lens.coc_px(49.0, shot).astype(np.float32) == -2.0 < lens.coc_px(beyond, shot).astype(np.float32)
+    cards = [flat_scene.rectangle(-99, 0, -99, 99, 7.0), flat_scene.rectangle(0, 99, -99, 99, 49.0)]
+    layers, _ = decompose(*View(flat_scene.scene_of(cards, shot, lens), shot, lens).triangles(), shot, lens)
+    assert layers.bounds[-1] == layers.far[-1] == -2.0
+    np.testing.assert_array_equal(layers.coc[-1], [[np.inf, -2.0]] * 2)
+    assert (layers.triangle[-1][:, 1] // 2 == 1).all()
+
+
+@pytest.mark.xfail(strict=True, reason="a scene at one depth vanishes where 1 / (1 / depth) rounds up")
+def test_a_scene_at_one_depth_is_one_layer():
+    # 1 / (1 / 48) is 48, and 1 / (1 / 49) is a rounding more than 49.
+    for depth in (48.0, 49.0):
+        shot = flat_scene.camera(2, 2, 12.0)
+        view = View(flat_scene.scene_of([flat_scene.rectangle(-99, 99, -99, 99, depth)], shot, LENS), shot, LENS)
+        layers, _ = decompose(*view.triangles(), shot, LENS)
+        np.testing.assert_array_equal(layers.coc, np.full((1, 2, 2), np.float32(-12.0 / depth)))
+
+
 def test_of_equally_near_fragments_the_one_from_the_nearest_layer_is_kept():
     # A card at depth 2, and a slanted triangle that meets it on the axis, drawn for the layer of its corner at depth 6.
     shot = flat_scene.camera(1, 1, 12.0)

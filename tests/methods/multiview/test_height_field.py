@@ -7,8 +7,9 @@ height c.
 import numpy as np
 import pytest
 
+from refdof._jit import tile_kernel
 from refdof.methods.multiview.gather import culled_layers, trace_hits
-from refdof.methods.multiview.height_field import Search, fields_of
+from refdof.methods.multiview.height_field import Ray, Search, fields_of, first_texel, step
 from refdof.optics.pixel_samples import LensPattern
 
 pytestmark = pytest.mark.fast
@@ -222,3 +223,30 @@ def test_rays_along_the_images_border_are_ambiguous():
     assert ambiguous(near=-1.0 - 2e-4, **words)
     assert ambiguous(near=-1.0 + 2e-4, **words)
     assert not ambiguous(near=-1.2, **words)
+
+
+# --- steps
+
+
+@tile_kernel
+def stepped(px, py, vx, vy, x, y):
+    return step(Ray(px, py, vx, vy), x, y, 99.0, 8, 8)
+
+
+@tile_kernel
+def first_of(c):
+    return first_texel(Ray(1.5, 0.5, 1.0, 0.5), c, 6, 4)
+
+
+def test_a_walk_begins_beside_the_image_if_the_ray_does():
+    # Over (1.5 - c, 0.5 + c / 2), in an image of 6 x 4 texels.
+    assert [first_of(c) for c in (0.0, 1.75, 2.0, 99.0)] == [(1, 0), (-1, 1), (-1, 1), (-1, 4)]
+    assert [first_of(c) for c in (-1.25, -4.5, -99.0)] == [(2, -1), (6, -1), (6, -1)]
+
+
+def test_at_a_corner_a_ray_goes_to_the_texel_beside():
+    # From (4, 4): texel (4, 4) at c = 0, its corners half a pixel of c away; (px - c vx, py + c vy).
+    for vx, vy, wanted in ((1, 1, (0.5, 3, 4)), (-1, 1, (0.5, 5, 4)), (1, -1, (0.5, 3, 4)), (-1, -1, (0.5, 5, 4))):
+        assert stepped(4.5, 4.5, float(vx), float(vy), 4, 4) == wanted
+    assert stepped(4.5, 4.5, 1.0, 1.125, 4, 4) == (0.5 / 1.125, 4, 5)
+    assert stepped(4.5, 4.5, 1.0, 0.875, 4, 4) == (0.5, 3, 4)

@@ -131,3 +131,18 @@ def test_edges_that_share_a_corner_are_apart_where_the_ray_meets_them():
     corners = [[-1, 0, -2], [1, 0, -2], [0, 2, -2], [1, 0, -2.0004], [0, 2, -2.0004]]
     part = Part(corners, [[0, 1, 2], [0, 3, 4]], flat_scene.paint((1, 1, 1)))
     np.testing.assert_allclose(depths(view_of([part], ThinLens(1.0, 2.0))), [2.0, 2.0002], rtol=1e-7)
+
+
+def test_what_only_float32_puts_in_front_of_the_eye_is_not_met():
+    # A slanted plane that passes the axis 8.5e-8 behind the eye, and 2.4e-7 before it once its corners are float32,
+    # as they are in the tree that finds it.
+    left, far = -7.9999997, 8.0 + 4.7e-7
+
+    def behind(left, far):
+        return -8.0 + (far + 8.0) * left / (left - 8.0)
+
+    assert behind(left, far) > 8e-8
+    assert behind(float(np.float32(left)), float(np.float32(far))) < -2e-7
+    corners = [[left, -8, -8], [left, 8, -8], [8, -8, far], [8, 8, far]]
+    plane = Part(corners, [[0, 2, 1], [1, 2, 3]], flat_scene.paint((1, 1, 1)))
+    assert depths(view_of([plane, card(3.0)], ThinLens(1.0, 2.0))) == [3.0]
