@@ -172,11 +172,12 @@ def _depth_range(
     vertices: Float, faces: Index, camera: Camera, near: float | None, far: float | None
 ) -> tuple[float, float]:
     """Near and far plane; the scene's own are its nearest fragment and its farthest vertex."""
-    if near is None:
-        near = float(rasterize(vertices, faces, camera).depth.min())
-    if far is None:
-        far = float(-vertices[faces, 2].min(initial=0.0)) if len(faces) else 0.0
-    return near, far
+    nearest = float(rasterize(vertices, faces, camera).depth.min()) if near is None else near
+    if far is not None:
+        return nearest, far
+    farthest = float(-vertices[faces, 2].min(initial=0.0)) if len(faces) else 0.0
+    # A fragment's depth is 1 / (1 / depth): of a scene at one depth it may round to behind the vertices.
+    return nearest, max(farthest, nearest) if near is None else farthest
 
 
 def _coc(lens: ThinLens, depth: Float, camera: Camera) -> Float:

@@ -78,7 +78,6 @@ def test_a_fragment_that_a_rounding_puts_behind_the_last_vertex_is_kept():
     assert (layers.triangle[-1][:, 1] // 2 == 1).all()
 
 
-@pytest.mark.xfail(strict=True, reason="a scene at one depth vanishes where 1 / (1 / depth) rounds up")
 def test_a_scene_at_one_depth_is_one_layer():
     # 1 / (1 / 48) is 48, and 1 / (1 / 49) is a rounding more than 49.
     for depth in (48.0, 49.0):
