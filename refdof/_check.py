@@ -259,6 +259,13 @@ def _is_no_number(value: Any) -> bool:
 
 def _said(value: Any) -> str:
     """What an error says it got: numbers and short words as they are, all else by type; always one line."""
+    try:
+        return _words(value)
+    except ValueError:  # Python prints no number of more than some thousand digits
+        return "a number too long to print"
+
+
+def _words(value: Any) -> str:
     if value is None or isinstance(value, str | int | float | complex | np.generic):
         words = repr(value.item() if isinstance(value, np.generic) else value)
         return words if len(words) <= _MOST_WORDS else f"{words[:_MOST_WORDS]}..."

@@ -209,3 +209,13 @@ def test_paths_functions_and_lists_are_not_guessed():
             _check.as_instances("parts", value, int)
     with pytest.raises(InputError, match=r"^parts\[1\]: got str; allowed is a int"):
         _check.as_instances("parts", [1, "b"], int)
+
+
+def test_numbers_too_long_to_print_are_refused_in_words():
+    for refuse in (
+        lambda: _check.as_number("x", 10**5000, minimum=0.0),
+        lambda: _check.as_integer("x", 10**5000, minimum=0, maximum=9),
+        lambda: _check.as_float("x", (10**5000, 0, 0), (3,)),
+    ):
+        with pytest.raises(InputError, match="x: got a number too long to print"):
+            refuse()

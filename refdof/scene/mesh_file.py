@@ -13,6 +13,7 @@ Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
 import io
 import logging
 import warnings
+from codecs import BOM_UTF8
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -129,13 +130,16 @@ def _tidied(path: Path) -> bytes | None:
     """What trimesh is given in the file's place; None if it can take the file as it is."""
     if _suffix(path) in _GLTF:  # a node with a camera would lose its meshes and its children
         return without_cameras(path)
-    if _suffix(path) in _TEXT:  # names and comments of older programs are not in UTF-8
-        data = path.read_bytes()
-        try:
-            data.decode()
-        except UnicodeDecodeError:
-            return data.decode("latin-1").encode()
-    return None
+    if _suffix(path) not in _TEXT:
+        return None
+    data = path.read_bytes()
+    marked = data.startswith(BOM_UTF8)  # the first line would be lost in silence, and with it a vertex
+    data = data.removeprefix(BOM_UTF8)
+    try:
+        data.decode()
+    except UnicodeDecodeError:  # names and comments of older programs
+        return data.decode("latin-1").encode()
+    return data if marked else None
 
 
 def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:

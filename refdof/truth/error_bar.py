@@ -139,7 +139,8 @@ def _unseen_share(replicates, quantile):
 def excess(found: Estimate, tolerance: float) -> Float:
     """Error of each pixel (N,), largest channel, over what is allowed: tolerance * max(1, its brightest channel)."""
     allowed = tolerance * np.maximum(1.0, np.abs(found.mean).max(axis=1))
-    share: Float = found.error.max(axis=1) / allowed
+    with np.errstate(over="ignore"):  # of a tolerance near the smallest number
+        share: Float = found.error.max(axis=1) / allowed
     return share
 
 

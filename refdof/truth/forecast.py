@@ -23,6 +23,7 @@ from refdof.view import View, view_of
 __all__ = ["Forecast", "forecast", "forecast_of_view"]
 
 _TILES = 48
+_MOST_EXCESS = 1e8  # far beyond any cap, and 64 bits hold the samples that it asks for
 _RATE = 0.65  # errors of nets at edges fall as N^-0.75 in the end, more slowly from 8 points on
 _GOLDEN = 0.6180339887498949
 
@@ -99,7 +100,8 @@ def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLE
     seconds = time.perf_counter() - began
     spent = np.concatenate([found[k].spent for k in chosen])
     over = np.concatenate([_spread(found[k], excess(found[k].found, tolerance)) for k in chosen])
-    needed = np.maximum(spent, power_of_two(spent * np.maximum(over, 1.0) ** (1.0 / _RATE)))
+    most = np.minimum(over, _MOST_EXCESS)
+    needed = np.maximum(spent, power_of_two(spent * np.maximum(most, 1.0) ** (1.0 / _RATE)))
     total = float(np.minimum(needed, sampler.most_points).mean()) * REPLICATES
     rays = float(spent.sum()) * REPLICATES
     pixels = sampler.width * sampler.height

@@ -63,6 +63,8 @@ class Reference:
         A 95 % interval of each value. On blurred pixels of edges, slits and random cards it holds the truth in 94 to
         99 % of all cases at 16, 64, 256 and 1024 samples; `image` +- 2.13 `standard_error` alone does so in 65 to 83 %
         at 16, 85 to 91 % at 64, 90 to 95 % at 256 and 92 to 95 % at 1024 samples (`benchmarks/coverage.py`).
+        Many pixels are counted together: one whose value is near a whole number of a net's points may do worse (86 %
+        was seen).
     samples : (H, W) int64
         Lens samples spent on each pixel.
     seconds : float

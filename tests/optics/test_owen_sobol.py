@@ -181,6 +181,6 @@ def test_seeds_are_a_generators_outputs():
         assert [axis_seed(np.uint64(0), axis) for axis in range(3)] == [0xE220A839, 0x6E789E6A, 0x06C45D18]
         # Of replicates, then of pixels, then of axes.
         for seed, replicate, pixel, axis in ((0, 0, 0, 0), (1, 0, 3, 2), (7, 2, 0, 1), (2**32 - 1, 5, 40, 3)):
-            state = scramble_state(np.uint32(seed), replicate, pixel)
+            state = np.uint64(scramble_state(np.uint32(seed), replicate, pixel))
             assert int(state) == output(output(seed, replicate), pixel)
             assert axis_seed(state, axis) == output(int(state), axis) >> 32

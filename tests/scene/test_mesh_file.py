@@ -202,3 +202,11 @@ if FOLDER:  # real models, where somebody has some
         # Rounded to single precision.
         np.testing.assert_allclose(np.linalg.norm(scene.normal, axis=1), 1.0, atol=1e-6)
         assert capfd.readouterr() == ("", "")
+
+
+def test_a_byte_order_mark_costs_no_vertex(tmp_path):
+    text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    plain = load_mesh(write(tmp_path, "plain.obj", text.encode()))
+    marked = load_mesh(write(tmp_path, "marked.obj", b"\xef\xbb\xbf" + text.encode()))
+    np.testing.assert_array_equal(marked.vertices[marked.faces[0]], [(9, 9, 9), (0, 0, 0), (1, 0, 0)])
+    np.testing.assert_array_equal(marked.vertices, plain.vertices)

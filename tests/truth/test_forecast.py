@@ -59,3 +59,10 @@ def test_the_words():
     assert str(Forecast(100.0, 9.6, 0.031)) == (
         "about 100 samples per pixel, 10 s; 3.1 % of the pixels will stop above the tolerance"
     )
+
+
+@pytest.mark.parametrize("tolerance", [1e-300, 5e-324])
+def test_a_tolerance_near_the_smallest_number_asks_for_all_samples(tolerance):
+    scene = refdof.load_scene("cans")
+    found = refdof.forecast(scene, scene.camera.with_size((12, 12)), tolerance=tolerance, max_samples=256)
+    assert 16.0 <= found.samples <= 256.0
