@@ -95,6 +95,20 @@ def test_mirrors_of_an_even_environment_see_it(side):
         np.testing.assert_allclose(image, np.broadcast_to([0.125, 0.25, 0.5], image.shape), rtol=1e-6)  # float32
 
 
+@pytest.mark.parametrize("field", ["faces", "face_material"])
+def test_indices_written_after_the_gate_are_refused(field):
+    corners = np.array([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]])
+    for draw_it in (lambda s: refdof.reference(s, samples=16), lambda s: refdof.render("singlepass", s)):
+        scene = Scene.from_parts("late", [Part(corners, [[0, 1, 2]])], CAMERA, ThinLens(0.1, 1.0))
+        getattr(scene, field).flat[0] = 10**9
+        with pytest.raises(InputError, match=rf"^{field}: index 1000000000 is outside"):
+            draw_it(scene)
+    part = Part(corners, np.array([[0, 1, 2]]))
+    part.faces[0, 0] = 10**9
+    with pytest.raises(InputError, match=r"^faces: index 1000000000"):
+        Scene.from_parts("late", [part], CAMERA, ThinLens(0.1, 1.0))
+
+
 def test_no_index_is_negative():
     path = os.pathsep.join([str(Path(refdof.__file__).parent.parent), str(Path(__file__).parent.parent)])
     result = subprocess.run(

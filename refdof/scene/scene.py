@@ -227,7 +227,7 @@ class Scene:
         InputError
             If an argument is not of the kind that its name says.
         """
-        parts = as_instances("parts", parts, Part)
+        parts = [replace(part) for part in as_instances("parts", parts, Part)]  # arrays may have been written to
         meshes, dropped, first = [], 0, 0
         for part in parts:
             vertices, faces = part.vertices, part.faces

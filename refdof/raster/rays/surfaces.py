@@ -6,6 +6,7 @@ References
 """
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ class Surfaces(NamedTuple):
 
 def surfaces_of(scene: Scene, camera: Camera) -> Surfaces:
     """Flatten `scene` as seen from `camera`."""
+    scene = replace(scene)  # checks it again: its arrays may have been written to
     points = camera.camera_from_world(scene.vertices)
     extent = np.abs(points).max(initial=0.0)
     exponent = int(math.frexp(extent)[1]) if extent > 0 else 0
