@@ -56,7 +56,16 @@ def poisson_disc(aperture: Aperture, count: int, rng: np.random.Generator) -> Fl
         points, off = moved, _miss(goal, moved)
         if off < least and _is_kept(aperture, points, share):
             best, least = points, off
+    if count == 2 and least >= _CLOSE:  # their line left a squeezed aperture on every try
+        along = _along_the_longest_axis(goal)
+        best = along if _is_kept(aperture, along, share) else best
     return best
+
+
+def _along_the_longest_axis(goal: Moments) -> Float:
+    """Two points with the mean and the covariance's trace of `goal`."""
+    axis = np.linalg.eigh(goal.covariance)[1][:, 1] * math.sqrt(np.trace(goal.covariance))
+    return np.stack([goal.mean + axis, goal.mean - axis])
 
 
 def _darts(aperture: Aperture, count: int, rng: np.random.Generator) -> tuple[Float, float]:

@@ -248,6 +248,16 @@ def test_one_and_two_poisson_points():
     assert first @ first == pytest.approx(0.5, rel=1e-12)  # mean r^2 of the disc
 
 
+@pytest.mark.parametrize(
+    ("aperture", "square"), [(Aperture.disc(0.05), 0.25 * (1 + 0.05**2)), (Aperture.polygon(4, ratio=0.1), None)]
+)
+def test_two_poisson_points_are_centred_on_a_narrow_aperture(aperture, square):
+    for seed in range(20):
+        first, second = lens_samples(2, "poisson", seed, aperture)[0]
+        np.testing.assert_allclose(first, -second, atol=1e-15)
+        assert square is None or first @ first == pytest.approx(square, rel=1e-12)  # mean x^2 + y^2 of the ellipse
+
+
 # Root mean square distance of the mean from the middle on the disc, and mean of the least distance over the densest
 # packing's, on the disc, a hexagon and a triangle: 20 sets each. Poisson discs are centred. The spiral on a polygon
 # follows its outline, and its least distance falls (to 0.86 and 0.60 of the disc's); no other pattern loses a fifth.
