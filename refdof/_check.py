@@ -161,7 +161,7 @@ def as_integer(name: str, value: Any, *, minimum: int, maximum: int | None = Non
         if _is_no_number(value):
             raise TypeError
         number = int(value)
-        whole = number == float(value)
+        whole = number == float(value) or isinstance(value, int | np.integer)  # above 2^53 a float is another number
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: got {_said(value)}; allowed is {allowed}") from None
     if not whole or number < minimum or (maximum is not None and number > maximum):

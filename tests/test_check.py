@@ -219,3 +219,10 @@ def test_numbers_too_long_to_print_are_refused_in_words():
     ):
         with pytest.raises(InputError, match="x: got a number too long to print"):
             refuse()
+
+
+def test_whole_numbers_that_no_float_holds_are_whole():
+    assert _check.as_integer("seed", 2**53 + 1, minimum=0) == 2**53 + 1
+    assert _check.as_integer("seed", np.uint64(2**63 + 1), minimum=0) == 2**63 + 1
+    with pytest.raises(InputError, match="seed"):
+        _check.as_integer("seed", 2**53 + 1, minimum=0, maximum=2**53)
