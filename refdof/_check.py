@@ -1,6 +1,7 @@
 """Validation: the only place that converts arguments and raises for bad ones.
 
-Every error names the argument, what it got and what is allowed. After validation nothing checks again.
+Every error names the argument, what it got and what is allowed. After validation nothing checks again, but for
+the arrays of a scene or a part, which may be written to: `surfaces_of`, `Scene.from_parts`.
 """
 
 import difflib

@@ -69,6 +69,16 @@ def test_names_in_the_text_exist(page):
                 break
 
 
+@pytest.mark.parametrize("source", sorted((ROOT / "refdof").rglob("*.py")), ids=lambda path: path.stem)
+def test_names_in_docstrings_exist(source):
+    for name in set(re.findall(r"`(refdof(?:\.[A-Za-z_]\w*)+)`", source.read_text())):
+        module, _, attribute = name.rpartition(".")
+        try:
+            import_module(name)
+        except ModuleNotFoundError:
+            assert hasattr(import_module(module), attribute), name
+
+
 @pytest.mark.parametrize("page", WITH_EXAMPLES, ids=lambda page: page.stem)
 def test_examples_give_what_they_say(page):
     blocks = re.findall(r"```pycon\n(.*?)```", page.read_text(), flags=re.DOTALL)

@@ -29,8 +29,8 @@ _MARGIN = 0.01  # px: the walk may round a ray's place across a texel's border
 def narrow(stack, group, rays, stride, center, near, far, iterations):
     """Cut [far, near] to where the rays of one pixel can hit a group of layers: near and far, near < far if nowhere.
 
-    stack is a `refdof.raster.layer_trace.Stack` with N-buffers of u. rays (4, N) are ax, ay, wx, wy. stride 0 takes the
-    closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray is bounded.
+    stack is a `refdof.methods.lensblur.layer_trace.Stack` with N-buffers of u. rays (4, N) are ax, ay, wx, wy. stride 0
+    takes the closed form of a thin lens, center = (x, y, u of the focal plane); else every stride-th ray is bounded.
     """
     lowest, highest, block = stack.lowest[group], stack.highest[group], stack.block
     height, width, scalar = stack.packs.shape[1], stack.packs.shape[2], lowest.dtype.type

@@ -58,7 +58,7 @@ class Choices(NamedTuple):
     linear: bool = False
 
 
-class _Lens(NamedTuple):
+class _Shared(NamedTuple):
     """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
     `LensPattern`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
     """
@@ -135,7 +135,7 @@ def trace_layers(
     )
     scalar: Any = dtype.type
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
-    shared = _Lens(
+    shared = _Shared(
         points.astype(dtype), pattern.weights, pattern.set, scalar(focus), top, choices.stride, choices.iterations,
         MISSES.index(choices.misses), bool(choices.linear),
     )  # fmt: skip
@@ -150,18 +150,14 @@ def trace_layers(
 
 
 @tile_kernel
-def _trace_rows(stack, values, surfaces, projection, lens, pinhole, first, last, traced):
+def _trace_rows(stack, values, surfaces, projection, shared, pinhole, first, last, traced):
     """Trace rows first .. last - 1."""
     stack = Stack(
         borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.block, stack.extension, stack.last
     )
-    surfaces, values, points, weights = (
-        borrow_surfaces(surfaces),
-        borrow(values),
-        borrow(lens.points),
-        borrow(lens.weights),
-    )
-    packs, focus, sets, top, misses = stack.packs, lens.focus, lens.sets, lens.top, lens.misses
+    surfaces, values = borrow_surfaces(surfaces), borrow(values)
+    points, weights, sets = borrow(shared.points), borrow(shared.weights), shared.sets
+    packs, focus, top, misses = stack.packs, shared.focus, shared.top, shared.misses
     scalar = packs.dtype.type
     groups, height, width = packs.shape[:3]
     rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
@@ -174,7 +170,7 @@ def _trace_rows(stack, values, surfaces, projection, lens, pinhole, first, last,
             inside = _all_inside(rays, max(top.max(), scalar(0.0)), width, height)
             for group in range(groups):
                 near[group], far[group] = narrow(
-                    stack, group, rays, lens.stride, center, top[group], scalar(0.0), lens.iterations
+                    stack, group, rays, shared.stride, center, top[group], scalar(0.0), shared.iterations
                 )
                 traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
             total, missed, steps = 0.0, 0.0, 0
@@ -193,7 +189,7 @@ def _trace_rows(stack, values, surfaces, projection, lens, pinhole, first, last,
                     r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
                 else:
                     hit = Hit(layer, at_x, at_y, u)
-                    r, g, b = _hit_color(surfaces, projection, packs, values, lens.linear, hit, ray)
+                    r, g, b = _hit_color(surfaces, projection, packs, values, shared.linear, hit, ray)
                 red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
             if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
                 red += missed * pinhole[y, x, 0]

@@ -25,7 +25,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.coverage import coverage_mipmaps
-from refdof.methods.multiview.gather import lens_of, light_of, pinhole_light, ray_tangents
+from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents, shared_of
 from refdof.methods.multiview.height_field import Fields, Ray, Search, borrow_fields, next_hit, visit
 from refdof.optics.pixel_samples import LensPattern
 from refdof.optics.projection import Projection
@@ -100,32 +100,28 @@ def gather_cones(
     """Mean over the lens: (H, W, 3) float32. A cone at circle of confusion c has diameter widening |c| [px]."""
     height, width = fields.coc.shape[1:]
     out = np.empty((height, width, 3), dtype=np.float32)
-    lens = lens_of(fields, pattern, search._replace(holes=True), projection, surfaces, background)
+    shared = shared_of(fields, pattern, search._replace(holes=True), projection, surfaces, background)
 
     def band(first: int) -> None:
-        _cone_rows(fields, chain, widening, lens, first, min(first + _ROWS_PER_TASK, height), out)
+        _cone_rows(fields, chain, widening, shared, first, min(first + _ROWS_PER_TASK, height), out)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return out
 
 
 @tile_kernel
-def _cone_rows(fields, chain, widening, lens, first, last, out):
+def _cone_rows(fields, chain, widening, shared, first, last, out):
     """Rows first .. last - 1 of out (H, W, 3)."""
-    points, weights, sets = borrow(lens.pattern.points), borrow(lens.pattern.weights), borrow(lens.pattern.set)
+    points, weights, sets = borrow(shared.pattern.points), borrow(shared.pattern.weights), borrow(shared.pattern.set)
     texels, level, closed = borrow(chain.texels), borrow(chain.level), borrow(chain.closed)
-    fields, surfaces, out, background = (
-        borrow_fields(fields),
-        borrow_surfaces(lens.surfaces),
-        borrow(out),
-        lens.background,
-    )
+    fields, surfaces, out = borrow_fields(fields), borrow_surfaces(shared.surfaces), borrow(out)
+    background = shared.background
     layers = np.empty(len(fields.coc), dtype=np.int64)
     found, whole = np.empty(texels.shape[2]), np.empty(closed.shape[2])
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
-            visited = visit(fields, x, y, lens.search, layers)
+            visited = visit(fields, x, y, shared.search, layers)
             chosen = sets[y % len(sets), x % len(sets)]
             px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
             red = green = blue = total = 0.0
@@ -133,7 +129,7 @@ def _cone_rows(fields, chain, widening, lens, first, last, out):
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 ray, through, place = Ray(px, py, vx, vy), weight, -1  # through: the part of the cone that goes on
                 while through > 0.0:
-                    place, i, j, c = next_hit(fields, visited, place + 1, ray, lens.search)
+                    place, i, j, c = next_hit(fields, visited, place + 1, ray, shared.search)
                     if place < 0:
                         break
                     diameter = widening * abs(c)
@@ -154,7 +150,7 @@ def _cone_rows(fields, chain, widening, lens, first, last, out):
                         found[: len(whole) - 1] = whole[: len(whole) - 1]
                     for channel in range(len(found) - 2):
                         found[channel] /= covered
-                    dx, dy = ray_tangents(lens.projection, x, y, vx, vy)
+                    dx, dy = ray_tangents(shared.projection, x, y, vx, vy)
                     r, g, b = light_of(surfaces, found, dx, dy)
                     part = through * share
                     red, green, blue = red + part * r, green + part * g, blue + part * b
@@ -168,7 +164,7 @@ def _cone_rows(fields, chain, widening, lens, first, last, out):
                     through = 0.0
                 total += weight - through
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, lens, x, y)
+                red, green, blue = pinhole_light(fields, texels, shared, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 

@@ -18,13 +18,13 @@ from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
 __all__ = [
     "Hits",
-    "Lens",
+    "Shared",
     "culled_layers",
     "gather",
-    "lens_of",
     "light_of",
     "pinhole_light",
     "ray_tangents",
+    "shared_of",
     "trace_hits",
 ]
 
@@ -43,7 +43,7 @@ class Hits(NamedTuple):
     ambiguous: Index
 
 
-class Lens(NamedTuple):
+class Shared(NamedTuple):
     """What all pixels share: their rays, how those search the layers, and what lights a hit and what a miss shows."""
 
     pattern: LensPattern
@@ -53,13 +53,13 @@ class Lens(NamedTuple):
     background: tuple[float, float, float]
 
 
-def lens_of(
+def shared_of(
     fields: Fields, pattern: LensPattern, search: Search, projection: Projection, surfaces: Surfaces, background: Any
-) -> Lens:
-    """`Lens` with points of the type of the fields' heights."""
+) -> Shared:
+    """`Shared` with points of the type of the fields' heights."""
     red, green, blue = (float(c) for c in background)
     pattern = pattern._replace(points=pattern.points.astype(fields.coc.dtype))
-    return Lens(pattern, search, projection, surfaces, (red, green, blue))
+    return Shared(pattern, search, projection, surfaces, (red, green, blue))
 
 
 def gather(
@@ -77,10 +77,10 @@ def gather(
     """
     height, width = fields.coc.shape[1:]
     out = np.empty((height, width, 3), dtype=np.float32)
-    lens = lens_of(fields, pattern, search, projection, surfaces, background)
+    shared = shared_of(fields, pattern, search, projection, surfaces, background)
 
     def band(first: int) -> None:
-        _gather_rows(fields, surface, lens, first, min(first + _ROWS_PER_TASK, height), out)
+        _gather_rows(fields, surface, shared, first, min(first + _ROWS_PER_TASK, height), out)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return out
@@ -113,16 +113,17 @@ def culled_layers(fields: Fields, search: Search) -> Any:
 
 
 @tile_kernel
-def _gather_rows(fields, surface, lens, first, last, out):
+def _gather_rows(fields, surface, shared, first, last, out):
     """Rows first .. last - 1 of out (H, W, 3)."""
-    fields, surface, surfaces, out = borrow_fields(fields), borrow(surface), borrow_surfaces(lens.surfaces), borrow(out)
-    points, weights, sets = borrow(lens.pattern.points), borrow(lens.pattern.weights), borrow(lens.pattern.set)
+    fields, surface, out = borrow_fields(fields), borrow(surface), borrow(out)
+    surfaces = borrow_surfaces(shared.surfaces)
+    points, weights, sets = borrow(shared.pattern.points), borrow(shared.pattern.weights), borrow(shared.pattern.set)
     texels = surface.reshape(len(surface), out.shape[0] * out.shape[1], surface.shape[3])
     layers = np.empty(len(fields.coc), dtype=np.int64)
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
-            visited = visit(fields, x, y, lens.search, layers)
+            visited = visit(fields, x, y, shared.search, layers)
             chosen = sets[y % len(sets), x % len(sets)]
             px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
             red = green = blue = total = 0.0
@@ -130,19 +131,19 @@ def _gather_rows(fields, surface, lens, first, last, out):
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 if weight == 0.0:
                     continue
-                place, i, j, _ = next_hit(fields, visited, 0, Ray(px, py, vx, vy), lens.search)
+                place, i, j, _ = next_hit(fields, visited, 0, Ray(px, py, vx, vy), shared.search)
                 if place == -2:
                     continue
                 total += weight
                 if place == -1:
-                    r, g, b = lens.background
+                    r, g, b = shared.background
                 else:
-                    dx, dy = ray_tangents(lens.projection, x, y, vx, vy)
+                    dx, dy = ray_tangents(shared.projection, x, y, vx, vy)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
                     r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
-                red, green, blue = pinhole_light(fields, texels, lens, x, y)
+                red, green, blue = pinhole_light(fields, texels, shared, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
 
@@ -156,13 +157,13 @@ def ray_tangents(projection, x, y, vx, vy):
 
 
 @inline
-def pinhole_light(fields, texels, lens, x, y):
+def pinhole_light(fields, texels, shared, x, y):
     """What the pinhole sees at pixel (x, y) of layers whose texels (K, >= H W, C) begin with the full picture."""
     for k in range(len(fields.coc)):
         if fields.coc[k, y, x] < np.inf:
-            dx, dy = ray_tangents(lens.projection, x, y, 0.0, 0.0)
-            return light_of(lens.surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
-    return lens.background
+            dx, dy = ray_tangents(shared.projection, x, y, 0.0, 0.0)
+            return light_of(shared.surfaces, texels[k, y * fields.coc.shape[2] + x], dx, dy)
+    return shared.background
 
 
 @inline
