@@ -19,7 +19,8 @@ from refdof.optics.lens_samples import lens_samples
 from refdof.rendering import Result, render
 from refdof.scene.builtin import SCENES
 from refdof.scene.load import load_scene
-from refdof.scene.scene import Light, Material, Part, Scene
+from refdof.scene.material import Light, Material
+from refdof.scene.scene import Part, Scene
 from refdof.truth.forecast import Forecast, forecast
 from refdof.truth.reference import Reference, reference
 from refdof.view import View

@@ -80,12 +80,12 @@ def render_view(method: str, view: View, stages: bool = False, preset: str = "be
     chosen = make_params(method, params, preset)
     as_instance("view", view, View)
     as_bool("stages", stages)
-    trace = StageRecorder(stages)
+    recorder = StageRecorder(stages)
     with view.booking() as book:
         start = time.perf_counter()
-        image = METHODS[method].render(view, chosen, trace)
+        image = METHODS[method].render(view, chosen, recorder)
         whole = time.perf_counter() - start
-    return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, trace.stages, chosen)
+    return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, recorder.stages, chosen)
 
 
 def make_params(method: str, values: Mapping[str, Any], preset: str = "best") -> Any:

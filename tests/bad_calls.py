@@ -23,7 +23,7 @@ from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
-from refdof.optics.pixel_samples import lens_pattern
+from refdof.optics.pixel_samples import lens_point_sets
 from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -195,8 +195,8 @@ DOORS: dict[str, Door] = {
         {"focal_length": ("focus_distance", "f_number")},
     ),
     "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
-    "refdof.optics.pixel_samples.lens_pattern": Door(
-        lens_pattern, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
+    "refdof.optics.pixel_samples.lens_point_sets": Door(
+        lens_point_sets, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
     ),
     "refdof.scene.load.load_scene": Door(
         load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
@@ -214,7 +214,7 @@ DOORS: dict[str, Door] = {
             "camera": CAMERA,
             "lens": LENS,
             "params": cascaded.Params(),
-            "trace": None,
+            "recorder": None,
         },
         {"camera": ("color",)},
     ),
@@ -340,8 +340,8 @@ DOORS: dict[str, Door] = {
     "refdof.optics.lens_samples.lens_samples": Door(
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
-    "refdof.scene.scene.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
-    "refdof.scene.scene.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
+    "refdof.scene.material.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
+    "refdof.scene.material.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
     "refdof.scene.scene.Part": Door(
         Part, {f.name: getattr(PART, f.name) for f in fields(Part)}, {"vertices": ("faces", "uv", "color", "normal")}
     ),
@@ -392,8 +392,8 @@ INNER_MODULES = {
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
     "methods.mipmap.anisotropic", "methods.mipmap.upsample",
-    "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.gather",
-    "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
+    "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.fields",
+    "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
     "methods.singlepass.planar",
@@ -403,7 +403,7 @@ INNER = {
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",
     "refdof.truth.forecast.Forecast",
-    "refdof.optics.pixel_samples.LensPattern",
+    "refdof.optics.pixel_samples.LensPointSets",
     "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
     "refdof.methods.multiview.method.cone_width",

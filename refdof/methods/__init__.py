@@ -8,7 +8,7 @@ A method module has
 - `Params`, a frozen dataclass that validates itself and holds what the paper leaves open;
 - `METHOD`, its record: source, kind, inputs, promises, texture reads, known defects
   (`refdof.methods._contract.Method`);
-- `render(view, params, trace) -> (H, W, 3) float32`, which asks the view for what it needs and nothing else;
+- `render(view, params, recorder) -> (H, W, 3) float32`, which asks the view for what it needs and nothing else;
 - if it filters one image, `blur(color, depth, coc, params) -> (H, W, 3)` on plain arrays.
 
 The command line, the report, the tests and the README's table read the records; there is no other list.

@@ -6,7 +6,7 @@ A promise holds in every scene: with things before, in and behind the focal plan
 lights brighter than white. It holds but for roundings, and, where a method samples the lens, for the error of so many
 samples. "Near" is measured in the largest circle of confusion of the picture, see `REACH`.
 
-One fetch unit is one texture read at every pixel. A method whose reads follow from its parameters and the picture's
+Texture reads are counted per pixel. A method whose reads follow from its parameters and the picture's
 size counts its loops with the constants that they run with. As in [1], table 1, reads of textures inside filters count,
 each bilinear or trilinear one as one; a pixel's own texel outside of a filter and what the driver does by itself do
 not.
@@ -118,7 +118,7 @@ class Method:
         reads = self.reads_per_pixel(width, height)
         if reads is None:
             return "reads depend on the scene"
-        return f"{reads:.2f} fetch units" if reads else "no textures"
+        return f"{reads:.2f} texture reads per pixel" if reads else "no textures"
 
 
 def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
@@ -128,7 +128,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
         "source": method.source,
         "reconstruction": method.reconstruction,
         "inputs": method.inputs,
-        "fetch_units": method.reads_per_pixel(width, height),
+        "texture_reads_per_pixel": method.reads_per_pixel(width, height),
         "paper": dict(method.paper),
         "params": method.defaults(),
         "kind": method.kind,

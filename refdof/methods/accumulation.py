@@ -75,7 +75,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     spend = Spend(params.samples, None, params.samples)
     return estimate(view, 1, params.seed, spend, shared_pattern=params.shared_pattern).image

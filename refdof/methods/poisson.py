@@ -108,10 +108,10 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
+    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -145,13 +145,13 @@ def _units(small: float) -> float:
     return 2.0 * len(TAPS) + 9.0 * small
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     code = _code(depth, coc, params).astype(color.dtype)
     coded = np.concatenate([color, code[..., None]], axis=-1)
     small = _shrink(coded)
-    trace.record("coc", lambda: coc)
-    trace.record("code", lambda: code)
-    trace.record("small", lambda: small)
+    recorder.record("coc", lambda: coc)
+    recorder.record("code", lambda: code)
+    recorder.record("small", lambda: small)
     return _gather(coded, small, TAPS.astype(color.dtype), color.dtype.type(params.max_radius))
 
 

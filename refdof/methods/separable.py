@@ -76,10 +76,10 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
+    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -112,15 +112,15 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     scalar = color.dtype.type
     radius = np.minimum(np.abs(coc), scalar(_LARGEST))
     light = scalar(1) / np.maximum(scalar(1), scalar(math.pi) * radius * radius)
     leak = np.minimum(scalar(params.leakage) * radius, scalar(1))
     planes = np.ascontiguousarray(np.moveaxis(color, -1, 0))
     across = _across(planes, depth, radius, light, leak)
-    trace.record("coc", lambda: coc)
-    trace.record("across", lambda: np.moveaxis(across, 0, -1))
+    recorder.record("coc", lambda: coc)
+    recorder.record("across", lambda: np.moveaxis(across, 0, -1))
     return np.ascontiguousarray(np.moveaxis(_down(across, depth, radius, light, leak), 0, -1))
 
 

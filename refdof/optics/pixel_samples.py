@@ -1,4 +1,4 @@
-"""Lens patterns: which lens points each pixel's rays pass, one set for all pixels or a set of its own for each.
+"""Lens point sets: which lens points each pixel's rays pass, one set for all pixels or a set of its own for each.
 
 ======  ===============================================================================================
 none    the same points at every pixel: too few of them show as ghost edges
@@ -26,7 +26,7 @@ from refdof.optics.aperture import Aperture
 from refdof.optics.lens_samples import PATTERNS, lens_samples
 from refdof.optics.lens_shape import mirrored
 
-__all__ = ["JITTERS", "LensPattern", "lens_pattern", "mean_nearest_distance"]
+__all__ = ["JITTERS", "LensPointSets", "lens_point_sets", "mean_nearest_distance"]
 
 JITTERS = ("none", "noise", "halton")
 _TILE_PX = 64
@@ -34,7 +34,7 @@ _PAIRS = 16
 _LARGEST_COUNT = 4096  # a set for every pixel of the tile then takes 384 MiB
 
 
-class LensPattern(NamedTuple):
+class LensPointSets(NamedTuple):
     """K sets of N lens points. Pixel (x, y) uses set[y % side, x % side].
 
     points (K, N, 2) float64, on the unit lens disc, x right, y up; weights (K, N) float64, mean 1 in each set, and here
@@ -46,9 +46,9 @@ class LensPattern(NamedTuple):
     set: Index
 
 
-def lens_pattern(
+def lens_point_sets(
     count: int, aperture: Aperture, jitter: str = "noise", pattern: str = "poisson", seed: int = 0
-) -> LensPattern:
+) -> LensPointSets:
     """Lens points for every pixel.
 
     Parameters
@@ -75,13 +75,13 @@ def lens_pattern(
     seed = as_integer("seed", seed, minimum=0)
     if jitter == "none":
         points, weights = lens_samples(count, pattern, seed, aperture)
-        return LensPattern(points[None], weights[None], np.zeros((1, 1), dtype=np.int32))
+        return LensPointSets(points[None], weights[None], np.zeros((1, 1), dtype=np.int32))
     random = np.random.default_rng([seed, 1])
     if jitter == "halton":
         points, weights = lens_samples(2 * count, "halton", seed, aperture)
         window = (np.arange(2 * count)[:, None] + np.arange(count)) % (2 * count)
         chosen = random.integers(0, 2 * count, (_TILE_PX, _TILE_PX), dtype=np.int32)
-        return LensPattern(points[window], weights[window], chosen)
+        return LensPointSets(points[window], weights[window], chosen)
     points, _ = lens_samples(count, pattern, seed, aperture)
     noise = random.random((_TILE_PX * _TILE_PX, 4))
     pair = np.arange(count) * _PAIRS // count
@@ -91,7 +91,7 @@ def lens_pattern(
     else:
         moved = _moved(aperture, points, 0.5 * mean_nearest_distance(points) * shift, random).reshape(-1, 2)
     chosen = np.arange(_TILE_PX * _TILE_PX, dtype=np.int32).reshape(_TILE_PX, _TILE_PX)
-    return LensPattern(moved.reshape(-1, count, 2), np.ones((len(noise), count)), chosen)
+    return LensPointSets(moved.reshape(-1, count, 2), np.ones((len(noise), count)), chosen)
 
 
 def mean_nearest_distance(points: Float) -> float:

@@ -7,8 +7,9 @@ from typing import Any
 
 from refdof._check import InputError, as_choice, as_color, as_path
 from refdof.scene.builtin import SCENES, built_in
+from refdof.scene.material import SHADINGS
 from refdof.scene.mesh_file import load_mesh
-from refdof.scene.scene import SHADINGS, Scene
+from refdof.scene.scene import Scene
 
 __all__ = ["load_scene"]
 

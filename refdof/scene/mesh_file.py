@@ -26,7 +26,8 @@ from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf_camera import gltf_camera, without_cameras
-from refdof.scene.scene import SHADINGS, Light, Material, Part, Scene
+from refdof.scene.material import SHADINGS, Light, Material
+from refdof.scene.scene import Part, Scene
 from refdof.scene.smooth_normals import smooth_normals
 
 __all__ = ["load_mesh"]

@@ -1,16 +1,4 @@
-"""Scene: triangles, materials and light, as plain arrays in world space.
-
-Shading of a surface point with normal n, seen from direction o, and albedo a = base_color * texture * vertex color:
-
-========  =====================================================================================
-unlit     a + emission
-lambert   a * E(n) + emission
-phong     a * E(n) + emission + specular * (sun * max(0, r.l)^shininess + environment(r))
-========  =====================================================================================
-
-E(n) = sun * max(0, n.l) + ground + (sky - ground) * (1 + n.y) / 2, r the mirror direction of o about n. Every surface
-has two sides: n is turned towards the viewer. No shadows: what a scene wants dark is dark in its colours.
-"""
+"""Scene: triangles, materials and light, as plain arrays in world space."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -19,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from refdof._check import (
-    LARGEST_COLOR,
     LARGEST_LENGTH,
     Float,
     Index,
@@ -27,88 +14,17 @@ from refdof._check import (
     as_choice,
     as_color,
     as_float,
-    as_image,
     as_index,
     as_instance,
     as_instances,
     as_integer,
     as_number,
-    as_vector,
 )
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.scene.material import SHADINGS, Light, Material, as_colors
 
-__all__ = ["SHADINGS", "Light", "Material", "Part", "Scene"]
-
-SHADINGS = ("unlit", "lambert", "phong")
-
-
-@dataclass(frozen=True, eq=False)
-class Material:
-    """How a surface answers light. Colours are linear Rec.709 RGB, at most 1e8.
-
-    Parameters
-    ----------
-    shading : "unlit", "lambert" or "phong"
-    base_color, emission, specular : (3,) floats >= 0
-        Emission may exceed 1 (HDR emitters). `specular` is used by phong only.
-    texture : (h, w, 3) float32, or None
-        Linear RGB, bilinear, repeated; (u, v) = (0, 0) is its lower left corner, row 0 its top row.
-    shininess : float
-        Phong exponent >= 1.
-    """
-
-    shading: str = "lambert"
-    base_color: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    texture: Float | None = None
-    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    specular: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    shininess: float = 50.0
-
-    def __post_init__(self) -> None:
-        as_choice("shading", self.shading, SHADINGS)
-        for name in ("base_color", "emission", "specular"):
-            object.__setattr__(self, name, as_color(name, getattr(self, name)))
-        object.__setattr__(self, "shininess", as_number("shininess", self.shininess, minimum=1.0, maximum=1e6))
-        if self.texture is not None:
-            object.__setattr__(self, "texture", _colors("texture", self.texture, (None, None, 3)))
-
-
-@dataclass(frozen=True, eq=False)
-class Light:
-    """A distant sun, a two-colour dome and what mirrors see.
-
-    Parameters
-    ----------
-    sun_direction : (3,) floats
-        From the surface towards the sun, world space, any length.
-    sun, sky, ground : (3,) floats >= 0
-        Irradiance / pi of the sun at normal incidence, and of the dome from above and below.
-    environment : (n, n, 3) float32, or None
-        What a mirror sees, as an octahedral map of world directions (y up); None: the dome's own colours.
-    """
-
-    sun_direction: tuple[float, float, float] = (0.4, 0.8, 0.45)
-    sun: tuple[float, float, float] = (0.75, 0.72, 0.66)
-    sky: tuple[float, float, float] = (0.42, 0.46, 0.54)
-    ground: tuple[float, float, float] = (0.20, 0.18, 0.16)
-    environment: Float | None = None
-
-    def __post_init__(self) -> None:
-        direction = np.asarray(as_vector("sun_direction", self.sun_direction))
-        if not direction.any():
-            raise InputError("sun_direction: got (0, 0, 0); allowed is any other direction")
-        # Scale by a power of two before the norm, so that squares neither leave the type nor vanish.
-        direction = np.ldexp(direction, -np.frexp(np.abs(direction).max())[1])
-        x, y, z = (direction / np.linalg.norm(direction)).tolist()
-        object.__setattr__(self, "sun_direction", (x, y, z))
-        for name in ("sun", "sky", "ground"):
-            object.__setattr__(self, name, as_color(name, getattr(self, name)))
-        if self.environment is not None:
-            environment = _colors("environment", self.environment, (None, None, 3))
-            if environment.shape[0] != environment.shape[1]:
-                raise InputError(f"environment: got shape {environment.shape}; allowed is (n, n, 3), an octahedral map")
-            object.__setattr__(self, "environment", environment)
+__all__ = ["Part", "Scene"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +66,7 @@ class Part:
         if self.uv is not None:
             object.__setattr__(self, "uv", as_float("uv", self.uv, (count, 2), dtype=np.float32))
         if self.color is not None:
-            object.__setattr__(self, "color", _colors("color", self.color, (count, 3)))
+            object.__setattr__(self, "color", as_colors("color", self.color, (count, 3)))
         if self.normal is not None:
             object.__setattr__(self, "normal", as_float("normal", self.normal, (count, 3), dtype=np.float32))
 
@@ -199,7 +115,7 @@ class Scene:
             ("vertices", vertices),
             ("faces", faces),
             ("uv", as_float("uv", self.uv, (count, 2), dtype=np.float32)),
-            ("color", _colors("color", self.color, (count, 3))),
+            ("color", as_colors("color", self.color, (count, 3))),
             ("normal", as_float("normal", self.normal, (count, 3), dtype=np.float32)),
             ("face_material", as_index("face_material", self.face_material, (len(faces),), end=len(materials))),
             ("materials", materials),
@@ -296,11 +212,6 @@ class Scene:
 def _places(name: str, value: Any) -> Float:
     """Coordinates (V, 3) float64 whose products stay in that type."""
     return as_float(name, value, (None, 3), dtype=np.float64, minimum=-LARGEST_LENGTH, maximum=LARGEST_LENGTH)
-
-
-def _colors(name: str, value: Any, shape: tuple[int | None, ...]) -> Float:
-    """Linear RGB, float32, whose products stay in that type."""
-    return as_image(name, value, shape, dtype=np.float32, minimum=0.0, maximum=LARGEST_COLOR)
 
 
 def _has_area(vertices: Float, faces: Index) -> np.ndarray:

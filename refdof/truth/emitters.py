@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.scene.scene import Material, Scene
+from refdof.scene.material import Material
+from refdof.scene.scene import Scene
 from refdof.view import View
 
 __all__ = ["first_samples"]

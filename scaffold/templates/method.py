@@ -64,9 +64,9 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, trace)
+    return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -101,11 +101,11 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     return _blur(color, coc, params, StageRecorder())
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     radius = np.minimum(np.abs(coc).astype(np.float64), params.largest_px)
-    trace.record("coc", lambda: coc)
-    trace.record("radius", lambda: radius)
+    recorder.record("coc", lambda: coc)
+    recorder.record("radius", lambda: radius)
     return _gather(color, radius)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from refdof.scene.kit.shapes import plane, sphere
 from refdof.scene.kit.shot import Shot
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -68,21 +68,21 @@ def test_levels_of_odd_sizes_are_rounded_down():
 def test_facts_of_every_method(name):
     facts = facts_of(METHODS[name].METHOD, 640, 480)
     assert facts["source"]
-    assert facts["fetch_units"] is None or facts["fetch_units"] >= 0
+    assert facts["texture_reads_per_pixel"] is None or facts["fetch_units"] >= 0
     assert facts["params"] == vars(METHODS[name].Params())
     assert METHODS[name].METHOD.reads_in_words(640, 480)
 
 
 def test_facts_in_words():
     assert METHODS["accumulation"].METHOD.reads_in_words(64, 48) == "no textures"
-    assert METHODS["separable"].METHOD.reads_in_words(64, 48) == "27.00 fetch units"
+    assert METHODS["separable"].METHOD.reads_in_words(64, 48) == "27.00 texture reads per pixel"
     assert METHODS["separable"].METHOD.origin == "after Zhou, Chen, Pullen 2007 (reconstruction)"
     assert METHODS["mipmap"].METHOD.origin == "Lee, Kim, Choi 2009"
 
 
 def test_a_method_without_a_count_depends_on_the_scene():
     record = replace(METHODS["separable"].METHOD, texture_reads=None)
-    assert facts_of(record, 64, 48)["fetch_units"] is None
+    assert facts_of(record, 64, 48)["texture_reads_per_pixel"] is None
     assert record.reads_in_words(64, 48) == "reads depend on the scene"
 
 

@@ -10,7 +10,7 @@ from refdof import Aperture
 from refdof._jit import tile_kernel
 from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
 from refdof.optics.lens_samples import lens_samples
-from refdof.optics.pixel_samples import lens_pattern
+from refdof.optics.pixel_samples import lens_point_sets
 
 pytestmark = pytest.mark.fast
 
@@ -38,8 +38,8 @@ def test_noise_moves_each_point_by_a_pair_of_numbers_of_its_own():
     # Sixteen points, sixteen ordered pairs out of four numbers: of four points the two numbers are one and the same, of
     # the others they are independent. A wide square aperture keeps the inner points from being mirrored at the rim.
     aperture = Aperture.disc()
-    still = lens_pattern(16, aperture, "none", "sobol", 5).points[0]
-    moved = lens_pattern(16, aperture, "noise", "sobol", 5).points
+    still = lens_point_sets(16, aperture, "none", "sobol", 5).points[0]
+    moved = lens_point_sets(16, aperture, "noise", "sobol", 5).points
     inner = np.hypot(*still.T) < 0.6
     assert inner.sum() >= 3
     shift = moved[:, inner] - still[inner]
@@ -54,8 +54,8 @@ def test_noise_moves_each_point_by_a_pair_of_numbers_of_its_own():
 def test_points_that_share_a_pair_of_numbers_follow_each_other():
     # 32 points, 16 pairs: points 2 k and 2 k + 1 move alike.
     aperture = Aperture.disc()
-    still = lens_pattern(32, aperture, "none", "vogel", 5).points[0]
-    moved = lens_pattern(32, aperture, "noise", "vogel", 5).points
+    still = lens_point_sets(32, aperture, "none", "vogel", 5).points[0]
+    moved = lens_point_sets(32, aperture, "noise", "vogel", 5).points
     shift = moved[:, :16] - still[:16]  # of a spiral: within 0.71 of the middle
     assert np.abs(shift).max() < 0.2  # none was mirrored at the rim
     assert_allclose(shift[:, ::2], shift[:, 1::2], atol=1e-15)  # a rounding of each sum
@@ -63,7 +63,7 @@ def test_points_that_share_a_pair_of_numbers_follow_each_other():
 
 
 def test_points_beyond_the_rim_come_back_and_do_not_gather_there():
-    points = lens_pattern(8, Aperture.disc(), "noise", "vogel", 2).points
+    points = lens_point_sets(8, Aperture.disc(), "noise", "vogel", 2).points
     reach = np.hypot(points[..., 0], points[..., 1])
     assert reach.max() <= 1.0
     # No number among 32768 is that close to 1 unless it was cut there: areas of 2e-9 hold 1e-4 points in the mean.
@@ -71,7 +71,7 @@ def test_points_beyond_the_rim_come_back_and_do_not_gather_there():
 
 
 def test_halton_starts_anywhere_in_its_points():
-    chosen = lens_pattern(4, Aperture.disc(), "halton", seed=1).set
+    chosen = lens_point_sets(4, Aperture.disc(), "halton", seed=1).set
     assert_array_equal(np.unique(chosen), np.arange(8))
     # 4096 draws of 8: 512 each, with a deviation of 21.
     assert_allclose(np.bincount(chosen.ravel()), 512, atol=5 * 21)
@@ -79,7 +79,7 @@ def test_halton_starts_anywhere_in_its_points():
 
 @pytest.mark.parametrize("jitter", ["noise", "halton"])
 def test_seeds_give_other_textures(jitter):
-    one, other = (lens_pattern(1 if jitter == "noise" else 4, Aperture.disc(), jitter, seed=seed) for seed in (1, 2))
+    one, other = (lens_point_sets(1 if jitter == "noise" else 4, Aperture.disc(), jitter, seed=seed) for seed in (1, 2))
     if jitter == "halton":
         assert (one.set != other.set).mean() > 0.8  # 7/8 of all pixels
     else:  # a single point goes anywhere: only the texture places it

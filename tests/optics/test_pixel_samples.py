@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from refdof import Aperture, InputError, lens_samples
-from refdof.optics.pixel_samples import JITTERS, lens_pattern, mean_nearest_distance
+from refdof.optics.pixel_samples import JITTERS, lens_point_sets, mean_nearest_distance
 
 pytestmark = pytest.mark.fast
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.fast
 @given(st.integers(3, 9), st.floats(0, 360), st.floats(0, 1), st.floats(0.3, 3.0), st.sampled_from(JITTERS))
 def test_points_stay_in_the_aperture(blades, rotation, curvature, ratio, jitter):
     aperture = Aperture.polygon(blades, rotation, curvature, ratio)
-    points = lens_pattern(5, aperture, jitter, "vogel").points.reshape(-1, 2)[:2000]
+    points = lens_point_sets(5, aperture, jitter, "vogel").points.reshape(-1, 2)[:2000]
     aperture_sampler = shapely.Polygon(aperture.boundary * np.asarray(aperture.scale))
     # Roundings of a few float64 operations.
     assert shapely.dwithin(aperture_sampler, shapely.points(points), 1e-12).all()
@@ -23,7 +23,7 @@ def test_points_stay_in_the_aperture(blades, rotation, curvature, ratio, jitter)
 
 @pytest.mark.parametrize("jitter", JITTERS)
 def test_points_spread_evenly_over_the_disc(jitter):
-    points = lens_pattern(64, Aperture.disc(), jitter, "vogel", seed=3).points
+    points = lens_point_sets(64, Aperture.disc(), jitter, "vogel", seed=3).points
     # A uniform disc's second moments are 1/4. So few points miss them by 1 / 64 at most, and so do their moved copies.
     np.testing.assert_allclose((points**2).mean(axis=(0, 1)), 0.25, atol=1 / 64)
     np.testing.assert_allclose(points.mean(axis=(0, 1)), 0.0, atol=1 / 64)
@@ -32,7 +32,7 @@ def test_points_spread_evenly_over_the_disc(jitter):
 def test_noise_moves_points_by_half_their_distance_along_each_axis():
     points, _ = lens_samples(32, "poisson", 5)
     amplitude = 0.5 * mean_nearest_distance(points)
-    pattern = lens_pattern(32, Aperture.disc(), "noise", "poisson", 5)
+    pattern = lens_point_sets(32, Aperture.disc(), "noise", "poisson", 5)
     inner = np.hypot(*points.T) < 1.0 - 1.5 * amplitude  # never mirrored
     shift = (pattern.points - points)[:, inner]
     assert inner.sum() > 5
@@ -52,7 +52,7 @@ def test_mean_nearest_distance_of_poisson_discs():
 
 
 def test_halton_windows_overlap():
-    points = lens_pattern(8, Aperture.disc(), "halton", seed=1).points
+    points = lens_point_sets(8, Aperture.disc(), "halton", seed=1).points
     assert points.shape == (16, 8, 2)
     np.testing.assert_array_equal(points[3, 1:], points[4, :-1])
     np.testing.assert_array_equal(points[15, 1], points[0, 0])
@@ -66,7 +66,7 @@ def test_points_stay_on_an_image_and_are_as_dense_as_its_light(jitter, count):
     image[1:4, 3] = 0.5
     aperture = Aperture.image(image)
     for pattern in ("vogel", "poisson"):
-        made = lens_pattern(count, aperture, jitter, pattern)
+        made = lens_point_sets(count, aperture, jitter, pattern)
         assert (made.weights == 1.0).all()
         points = made.points.reshape(-1, 2)
         assert (aperture.transmission(points) > 0.0).all()
@@ -78,7 +78,7 @@ def test_points_stay_on_an_image_and_are_as_dense_as_its_light(jitter, count):
 
 
 def test_without_jitter_all_pixels_share_the_lens_samples():
-    pattern = lens_pattern(7, Aperture.disc(), "none", "sobol", 2)
+    pattern = lens_point_sets(7, Aperture.disc(), "none", "sobol", 2)
     np.testing.assert_array_equal(pattern.points[0], lens_samples(7, "sobol", 2)[0])
     assert pattern.set.tolist() == [[0]]
 
@@ -86,4 +86,4 @@ def test_without_jitter_all_pixels_share_the_lens_samples():
 @pytest.mark.parametrize("words", [{"count": 0}, {"count": 5000}, {"jitter": "nose"}, {"pattern": "x"}, {"seed": -1}])
 def test_bad_input(words):
     with pytest.raises(InputError, match=next(iter(words))):
-        lens_pattern(**{"count": 4, "aperture": Aperture.disc(), **words})
+        lens_point_sets(**{"count": 4, "aperture": Aperture.disc(), **words})

@@ -150,7 +150,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     layers = view.layers(None if isinstance(params.buffers, str) else params.buffers)
     color, depth, empty = layers.color, layers.depth, layers.triangle < 0
@@ -162,7 +162,7 @@ def render(view: View, params: Params, trace: StageRecorder) -> Float:
     depth = np.where(empty, np.inf, depth)
     depth[1:][empty[:-1]] = np.nan  # the background is there once
     color = np.where(empty[..., None], np.asarray(view.scene.background, dtype=np.float32), color)
-    return _blend(color, depth, view.camera, view.lens, params, trace)
+    return _blend(color, depth, view.camera, view.lens, params, recorder)
 
 
 def blur_buffers(
@@ -171,7 +171,7 @@ def blur_buffers(
     camera: Camera,
     lens: ThinLens,
     params: Params = Params(),
-    trace: StageRecorder | None = None,
+    recorder: StageRecorder | None = None,
 ) -> Float:
     """Blur peeled buffers of your own.
 
@@ -197,7 +197,7 @@ def blur_buffers(
     """
     for name, value, kind in (("camera", camera, Camera), ("lens", lens, ThinLens), ("params", params, Params)):
         as_instance(name, value, kind)
-    trace = StageRecorder() if trace is None else as_instance("trace", trace, StageRecorder)
+    recorder = StageRecorder() if recorder is None else as_instance("recorder", recorder, StageRecorder)
     color = as_image("color", color, (None, camera.height, camera.width, 3))
     depth = as_float("depth", depth, color.shape[:3], dtype=np.float64, finite=False, nan=True)
     absent = np.isnan(depth)
@@ -206,7 +206,7 @@ def blur_buffers(
         raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
     if absent.all():
         raise InputError("depth: has no surface, all values are NaN; at least one must be a depth")
-    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, trace)
+    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, recorder)
 
 
 def layering_of(depth: Float, camera: Camera, lens: ThinLens, params: Params = Params()) -> Layering:
@@ -229,7 +229,9 @@ def _depth_range(depth: Float) -> tuple[float, float]:
     return (near, np.inf if np.isinf(depth).any() else far)
 
 
-def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, trace: StageRecorder) -> Float:
+def _blend(
+    color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, recorder: StageRecorder
+) -> Float:
     """`blur_buffers` after validation."""
     used = 1 + int(np.flatnonzero(~np.isnan(depth).all(axis=(1, 2)))[-1])
     layering = layering_of(depth, camera, lens, params)
@@ -237,21 +239,21 @@ def _blend(color: Float, depth: Float, camera: Camera, lens: ThinLens, params: P
     source = source_of(color[:used], depth[:used], layering, params.ramp, boundary)
     count, focus = len(layering.deviation), layering.focus
     blur = partial(_FILTERS[params.filter], clamp=params.border == "clamp")
-    trace.record("bounds", lambda: layering.bounds)
-    trace.record("deviation", lambda: layering.deviation)
-    trace.record("coordinate", lambda: source.coordinate)
-    trace.record("layers", lambda: np.stack([layer_alone(source, k) for k in range(count)]))
+    recorder.record("bounds", lambda: layering.bounds)
+    recorder.record("deviation", lambda: layering.deviation)
+    recorder.record("coordinate", lambda: source.coordinate)
+    recorder.record("layers", lambda: np.stack([layer_alone(source, k) for k in range(count)]))
 
     back, front, scratch = (np.zeros((4, *depth.shape[1:]), dtype=color.dtype) for _ in range(3))
     if params.cascade:
         cascade(source, range(count - 1, focus, -1), layering, True, blur, back, scratch)
         cascade(source, range(focus), layering, False, blur, front, scratch)
-        trace.record("back", lambda: np.moveaxis(back, 0, -1))
-        trace.record("front", lambda: np.moveaxis(front, 0, -1))
+        recorder.record("back", lambda: np.moveaxis(back, 0, -1))
+        recorder.record("front", lambda: np.moveaxis(front, 0, -1))
         if focus >= 0:
             source.blend(focus, True, back)
         blend_over(front, back)  # Eq. (12)
     else:
         blur_apart(source, layering, blur, back, front, scratch)
-    trace.record("composite", lambda: np.moveaxis(back, 0, -1))
+    recorder.record("composite", lambda: np.moveaxis(back, 0, -1))
     return normalized(back, params.normalize)

@@ -20,7 +20,7 @@ from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, Hit, Ray, enter_picture, first_hit, neighbours, pack_layers
-from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection
 from refdof.raster.filters.n_buffer import n_buffer
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
@@ -60,7 +60,7 @@ class Choices(NamedTuple):
 
 class _Shared(NamedTuple):
     """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
-    `LensPattern`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
+    `LensPointSets`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
     """
 
     points: Float
@@ -102,7 +102,7 @@ def trace_layers(
     surfaces: Surfaces,
     projection: Projection,
     focus: float,
-    pattern: LensPattern,
+    pattern: LensPointSets,
     pinhole: Float,
     choices: Choices = Choices(),
 ) -> Traced:
@@ -118,7 +118,7 @@ def trace_layers(
     projection : Projection
     focus : float
         The focal plane [px of parallax].
-    pattern : LensPattern
+    pattern : LensPointSets
     pinhole : (H, W, 3) float32
         What missed rays see if misses are "pinhole", or if they are "renormalise" and no ray is left.
     choices : Choices

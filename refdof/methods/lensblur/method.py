@@ -44,7 +44,7 @@ from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
 from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, new_stack, trace_layers
 from refdof.optics.lens_samples import PATTERNS
-from refdof.optics.pixel_samples import JITTERS, lens_pattern
+from refdof.optics.pixel_samples import JITTERS, lens_point_sets
 from refdof.raster.rays.exact_layers import Layers
 from refdof.raster.rays.gbuffer import gbuffer_of
 from refdof.stages import StageRecorder
@@ -139,7 +139,7 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole = view.pinhole().color
     if view.lens.radius == 0.0:
@@ -153,7 +153,7 @@ def render(view: View, params: Params, trace: StageRecorder) -> Float:
         values = view.product(
             f"lensblur attributes {name}", lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
         )
-    pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
+    pattern = lens_point_sets(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
     footprint = params.footprint
     if footprint == "closed" and np.hypot(*pattern.points.T).max() > 1.0 + 1e-12:  # but for roundings
         footprint = "rays"
@@ -167,16 +167,16 @@ def render(view: View, params: Params, trace: StageRecorder) -> Float:
         pinhole,
         Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear"),
     )
-    trace.record("parallax", lambda: _parallax_of_layers(view, layers))
-    trace.record("layer_count", lambda: view.surface_counts(extent))
-    trace.record("lowest", lambda: stack.lowest)
-    trace.record("highest", lambda: stack.highest)
-    trace.record("points", lambda: pattern.points)
-    trace.record("set", lambda: pattern.set)
-    trace.record("near", lambda: traced.near)
-    trace.record("far", lambda: traced.far)
-    trace.record("steps", lambda: traced.steps)
-    trace.record("missed", lambda: traced.missed)
+    recorder.record("parallax", lambda: _parallax_of_layers(view, layers))
+    recorder.record("layer_count", lambda: view.surface_counts(extent))
+    recorder.record("lowest", lambda: stack.lowest)
+    recorder.record("highest", lambda: stack.highest)
+    recorder.record("points", lambda: pattern.points)
+    recorder.record("set", lambda: pattern.set)
+    recorder.record("near", lambda: traced.near)
+    recorder.record("far", lambda: traced.far)
+    recorder.record("steps", lambda: traced.steps)
+    recorder.record("missed", lambda: traced.missed)
     return traced.image
 
 

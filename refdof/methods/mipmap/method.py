@@ -111,10 +111,10 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, coc, params, trace)
+    return _blur(pinhole.color, coc, params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -152,7 +152,7 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     return _blur(color, coc, params, StageRecorder())
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     height, width = coc.shape
     last = _last_level(max(float(coc.max()), -float(coc.min())), width, height)
     circles, colors = (new_chain((height, width, channels), last, color.dtype) for channels in (2, 4))
@@ -168,13 +168,13 @@ def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Flo
         nearer = np.zeros((1, 1), dtype=color.dtype)
     _round(nearer, params)
     smoothed = smooth_blur(circles, nearer, points)
-    trace.record("coc", lambda: coc)
-    trace.record("degree", lambda: np.abs(coc))
-    trace.record("neighbours", lambda: smoothed.neighbours)
-    trace.record("smoothed", lambda: smoothed.smoothed)
-    trace.record("level", lambda: smoothed.levels)
+    recorder.record("coc", lambda: coc)
+    recorder.record("degree", lambda: np.abs(coc))
+    recorder.record("neighbours", lambda: smoothed.neighbours)
+    recorder.record("smoothed", lambda: smoothed.smoothed)
+    recorder.record("level", lambda: smoothed.levels)
     for k in range(1, last + 1):
-        trace.record(f"color {k}", lambda k=k: colors.level(k)[..., :3])  # type: ignore[misc]
+        recorder.record(f"color {k}", lambda k=k: colors.level(k)[..., :3])  # type: ignore[misc]
     return upsample(colors, smoothed, params.blend == "geometric")
 
 

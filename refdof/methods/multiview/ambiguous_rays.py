@@ -16,6 +16,7 @@ References
 import numpy as np
 
 from refdof._jit import inline
+from refdof.methods.multiview.fields import extent_in
 from refdof.methods.multiview.height_field import end_of, first_texel, goes_on, step
 
 __all__ = ["ray_is_ambiguous"]
@@ -32,14 +33,8 @@ def ray_is_ambiguous(fields, visited, ray, search):
         if k < 0:
             k = ~k
         elif visited.border:
-            near, far = fields.near[k], fields.far[k]
-            x0, x1, y0, y1 = (
-                ray.px - near * ray.vx,
-                ray.px - far * ray.vx,
-                ray.py + near * ray.vy,
-                ray.py + far * ray.vy,
-            )
-            inner = min(min(x0, x1), min(y0, y1), width - max(x0, x1), height - max(y0, y1))
+            left, top, right, bottom = extent_in(fields, k, ray)
+            inner = min(left, top, width - right, height - bottom)
             if abs(inner) < _CLOSE:
                 return True
             if inner < 0:

@@ -25,9 +25,10 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.coverage import coverage_mipmaps
+from refdof.methods.multiview.fields import Fields, Ray, Search, borrow_fields, visit
 from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents, shared_of
-from refdof.methods.multiview.height_field import Fields, Ray, Search, borrow_fields, next_hit, visit
-from refdof.optics.pixel_samples import LensPattern
+from refdof.methods.multiview.height_field import next_hit
+from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
@@ -91,7 +92,7 @@ def gather_cones(
     fields: Fields,
     chain: MipChain,
     widening: float,
-    pattern: LensPattern,
+    pattern: LensPointSets,
     search: Search,
     projection: Projection,
     surfaces: Surfaces,

@@ -10,8 +10,9 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
-from refdof.methods.multiview.height_field import Fields, Ray, Search, borrow_fields, next_hit, visit
-from refdof.optics.pixel_samples import LensPattern
+from refdof.methods.multiview.fields import Fields, Ray, Search, borrow_fields, visit
+from refdof.methods.multiview.height_field import next_hit
+from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection, pixel_ray
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
@@ -46,7 +47,7 @@ class Hits(NamedTuple):
 class Shared(NamedTuple):
     """What all pixels share: their rays, how those search the layers, and what lights a hit and what a miss shows."""
 
-    pattern: LensPattern
+    pattern: LensPointSets
     search: Search
     projection: Projection
     surfaces: Surfaces
@@ -54,7 +55,7 @@ class Shared(NamedTuple):
 
 
 def shared_of(
-    fields: Fields, pattern: LensPattern, search: Search, projection: Projection, surfaces: Surfaces, background: Any
+    fields: Fields, pattern: LensPointSets, search: Search, projection: Projection, surfaces: Surfaces, background: Any
 ) -> Shared:
     """`Shared` with points of the type of the fields' heights."""
     red, green, blue = (float(c) for c in background)
@@ -65,7 +66,7 @@ def shared_of(
 def gather(
     fields: Fields,
     surface: Float,
-    pattern: LensPattern,
+    pattern: LensPointSets,
     search: Search,
     projection: Projection,
     surfaces: Surfaces,
@@ -86,7 +87,7 @@ def gather(
     return out
 
 
-def trace_hits(fields: Fields, pattern: LensPattern, search: Search) -> Hits:
+def trace_hits(fields: Fields, pattern: LensPointSets, search: Search) -> Hits:
     """The hit of every ray."""
     shape = (*fields.coc.shape[1:], pattern.points.shape[1])
     hits = Hits(

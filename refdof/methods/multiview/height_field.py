@@ -15,10 +15,9 @@ the texel that the ray came from goes on behind it, at its height, until the ray
 The part of a ray in a layer lies between the layer's least and greatest height; walls are looked for `wall` farther, as
 they may lead to the next layer. With `wall` infinite all walls are surface, and objects as thick as their layer [1].
 
-1. `visit`       which layers a pixel's rays can meet at all: culling with N-buffers
-2. `next_hit`    layers front to back
-3. `_walk`       within one: every texel under the ray, in order; exact for these columns
-4. `_search`     or false position, then bisection [1], and a walk over what they leave
+1. `next_hit`    the layers that a pixel can meet, front to back (`refdof.methods.multiview.fields`)
+2. `_walk`       within one: every texel under the ray, in order; exact for these columns
+3. `_search`     or false position, then bisection [1], and a walk over what they leave
 
 References
 ----------
@@ -26,121 +25,13 @@ References
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index
-from refdof._jit import borrow, inline
-from refdof.raster.filters.n_buffer import lowest_in, n_buffer
+from refdof._jit import inline
+from refdof.methods.multiview.fields import extent_in
 
-__all__ = [
-    "Fields",
-    "Ray",
-    "Search",
-    "Visit",
-    "borrow_fields",
-    "end_of",
-    "fields_of",
-    "first_texel",
-    "goes_on",
-    "next_hit",
-    "step",
-    "visit",
-]
-
-_BLOCK = 4  # [px] of the N-buffers: windows grow by up to 3 px, memory shrinks sixteenfold
-
-
-class Fields(NamedTuple):
-    """K height fields for kernels.
-
-    coc (K, H, W) [px], inf: empty; near, far (K,) [px]; reach (K,) int64: how far a ray strays from its pixel [px];
-    lowest (K, levels, h, w): N-buffers of the heights.
-    """
-
-    coc: Float
-    near: Float
-    far: Float
-    reach: Index
-    lowest: Float
-
-
-class Search(NamedTuple):
-    """How to search: whether to begin in the middle of a layer; steps of false position and of bisection; highest wall
-    that is surface [px]; whether to walk over every texel instead; whether to cull; whether rays that leave the image
-    are dropped (else the image's border goes on); whether a layer that the ray leaves over an empty texel counts as
-    met, at its far end.
-    """
-
-    middle: bool
-    steps: int
-    bisections: int
-    wall: float
-    march: bool
-    culling: bool
-    discard: bool
-    holes: bool = False
-
-
-class Ray(NamedTuple):
-    """The ray of a pixel with centre (px, py) [px] through lens point (vx, vy): (px - c vx, py + c vy) at c."""
-
-    px: float
-    py: float
-    vx: float
-    vy: float
-
-
-class Visit(NamedTuple):
-    """What the rays of a pixel can meet: the first `length` of layers (K,), front to back.
-
-    `border`: rays that leave the image are dropped. A layer that holds nothing within their reach drops none: it is
-    left out, or without culling noted as ~k.
-    """
-
-    layers: Index
-    length: int
-    border: bool
-
-
-def fields_of(coc: Float, near: Float, far: Float, largest: float, widening: float = 0.0, wall: float = 1.0) -> Fields:
-    """Prepare heights (K, H, W) for lens points up to `largest` from the middle of the unit lens disc.
-
-    Rays read up to `widening` times the circle of confusion beside them. Walls are at most `wall` high.
-    """
-    end = far.astype(np.float64) + (wall if wall < np.inf else 0.0)
-    extent = np.ceil(np.maximum(np.abs(near.astype(np.float64)), np.abs(end)) * (largest + widening))
-    reach = np.minimum(extent, max(coc.shape[1:])).astype(np.int64) + 1
-    window = 2 * int(reach.max(initial=0)) + 1
-    levels = [n_buffer(layer, extremes="min", largest=window, block=_BLOCK).lowest for layer in coc]
-    lowest = np.stack(levels) if levels else np.zeros((0, 1, 1, 1), dtype=coc.dtype)
-    return Fields(coc, near.astype(coc.dtype), far.astype(coc.dtype), reach, lowest)
-
-
-@inline
-def borrow_fields(fields):
-    """`Fields` whose arrays are borrowed."""
-    return Fields(
-        borrow(fields.coc), borrow(fields.near), borrow(fields.far), borrow(fields.reach), borrow(fields.lowest)
-    )
-
-
-@inline
-def visit(fields, x, y, search, layers):
-    """The `Visit` of pixel (x, y); layers (K,) is its memory."""
-    height, width = fields.coc.shape[1], fields.coc.shape[2]
-    count, border = 0, False
-    for k in range(len(fields.coc)):
-        r = fields.reach[k]
-        outside = search.discard and (x < r or y < r or x + r >= width or y + r >= height)
-        x0, x1, y0, y1 = max(x - r, 0), min(x + r, width - 1), max(y - r, 0), min(y + r, height - 1)
-        empty = (search.culling or outside) and lowest_in(fields.lowest[k], _BLOCK, x0, y0, x1, y1, False) == np.inf
-        border = border or (outside and not empty)
-        if not (search.culling and empty):
-            layers[count] = ~k if empty else k
-            count += 1
-    return Visit(layers, count, border)
+__all__ = ["end_of", "first_texel", "goes_on", "next_hit", "step"]
 
 
 @inline
@@ -156,15 +47,9 @@ def next_hit(fields, visited, first, ray, search):
         if k < 0:
             k = ~k
         elif visited.border:
-            near, far = fields.near[k], fields.far[k]
-            x0, x1, y0, y1 = (
-                ray.px - near * ray.vx,
-                ray.px - far * ray.vx,
-                ray.py + near * ray.vy,
-                ray.py + far * ray.vy,
-            )
-            if min(x0, x1) < 0 or min(y0, y1) < 0 or max(x0, x1) >= width or max(y0, y1) >= height:
-                return -2, 0, 0, near
+            left, top, right, bottom = extent_in(fields, k, ray)
+            if left < 0 or top < 0 or right >= width or bottom >= height:
+                return -2, 0, 0, fields.near[k]
         if search.march:
             x, y, c = _walk(fields, k, fields.near[k], ray, search)
         else:

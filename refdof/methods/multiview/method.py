@@ -3,7 +3,7 @@
 1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.methods.multiview.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
 3. Choose lens points for every pixel                                      `refdof.optics.pixel_samples`
-4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.height_field`,
+4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.fields`,
    `visit`
 5. Follow each ray front to back, from texel to texel or by false position  `refdof.methods.multiview.height_field`,
    `next_hit`
@@ -68,10 +68,10 @@ from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_
 from refdof.methods._contract import Method
 from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
 from refdof.methods.multiview.decomposition import Decomposition, copies, decompose
+from refdof.methods.multiview.fields import Fields, Search, fields_of
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
-from refdof.methods.multiview.height_field import Fields, Search, fields_of
 from refdof.optics.lens_samples import PATTERNS, lens_samples
-from refdof.optics.pixel_samples import JITTERS, LensPattern, lens_pattern, mean_nearest_distance
+from refdof.optics.pixel_samples import JITTERS, LensPointSets, lens_point_sets, mean_nearest_distance
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of
 from refdof.raster.rays.layer_color import colors_of
 from refdof.stages import StageRecorder
@@ -204,15 +204,15 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    layers = _decomposition(view, params, trace)
+    layers = _decomposition(view, params, recorder)
     surface = _surface(view, layers, params)
-    trace.record("layer_surface", lambda: surface)
-    pattern = lens_pattern(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
-    trace.record("lens_points", lambda: pattern.points)
-    trace.record("lens_weights", lambda: pattern.weights)
-    trace.record("lens_set", lambda: pattern.set)
+    recorder.record("layer_surface", lambda: surface)
+    pattern = lens_point_sets(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
+    recorder.record("lens_points", lambda: pattern.points)
+    recorder.record("lens_weights", lambda: pattern.weights)
+    recorder.record("lens_set", lambda: pattern.set)
 
     widening = 0.0 if params.cones == "none" else cone_width(view, params)
     largest = float(np.hypot(*pattern.points.T).max())
@@ -226,16 +226,16 @@ def render(view: View, params: Params, trace: StageRecorder) -> Float:
         bool(params.culling),
         params.offscreen == "discard",
     )
-    _record_rays(trace, fields, pattern, search)
+    _record_rays(recorder, fields, pattern, search)
     rays = pattern, search, view.projection(), view.surfaces(), view.scene.background
     if params.cones == "none":
         return gather(fields, surface, *rays)
     widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
     reach = None if params.wall_px == np.inf else params.wall_px * _skirt(widening, layers)
     chain = mip_chain(surface, layers.coc, copies(layers), widest, reach)
-    trace.record("mip_texels", lambda: chain.texels)
-    trace.record("mip_closed", lambda: chain.closed)
-    trace.record("mip_levels", lambda: chain.level)
+    recorder.record("mip_texels", lambda: chain.texels)
+    recorder.record("mip_closed", lambda: chain.closed)
+    recorder.record("mip_levels", lambda: chain.level)
     return gather_cones(fields, chain, widening, *rays)
 
 
@@ -251,20 +251,20 @@ def _skirt(widening: float, layers: Decomposition) -> Float:
     return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
 
 
-def _decomposition(view: View, params: Params, trace: StageRecorder) -> Decomposition:
+def _decomposition(view: View, params: Params, recorder: StageRecorder) -> Decomposition:
     """Step 1: layers of the view."""
     choice = _choice(view, params)
     layers, sources = view.product(
         f"multiview layers {choice}",
         lambda: decompose(*view.triangles(), view.camera, view.lens, **choice, texel_bytes=_texel_bytes(params)),
     )
-    trace.record("bounds", lambda: layers.bounds)
-    trace.record("source_coc", lambda: sources.coc)
-    trace.record("source_triangle", lambda: sources.triangle)
-    trace.record("layer_number", lambda: layers.layer)
-    trace.record("layer_interval", lambda: np.stack([layers.near, layers.far], axis=1))
-    trace.record("layer_coc", lambda: layers.coc)
-    trace.record("layer_triangle", lambda: layers.triangle)
+    recorder.record("bounds", lambda: layers.bounds)
+    recorder.record("source_coc", lambda: sources.coc)
+    recorder.record("source_triangle", lambda: sources.triangle)
+    recorder.record("layer_number", lambda: layers.layer)
+    recorder.record("layer_interval", lambda: np.stack([layers.near, layers.far], axis=1))
+    recorder.record("layer_coc", lambda: layers.coc)
+    recorder.record("layer_triangle", lambda: layers.triangle)
     return layers
 
 
@@ -294,13 +294,13 @@ def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     )
 
 
-def _record_rays(trace: StageRecorder, fields: Fields, pattern: LensPattern, search: Search) -> None:
+def _record_rays(recorder: StageRecorder, fields: Fields, pattern: LensPointSets, search: Search) -> None:
     """Record what early culling skips and what every ray hits."""
-    if not trace.on:
+    if not recorder.on:
         return
-    trace.record("culled", lambda: culled_layers(fields, search))
+    recorder.record("culled", lambda: culled_layers(fields, search))
     hits = trace_hits(fields, pattern, search)
-    trace.record("hit_layer", lambda: hits.layer)
-    trace.record("hit_texel", lambda: hits.texel)
-    trace.record("hit_coc", lambda: hits.coc)
-    trace.record("ambiguous", lambda: hits.ambiguous)
+    recorder.record("hit_layer", lambda: hits.layer)
+    recorder.record("hit_texel", lambda: hits.texel)
+    recorder.record("hit_coc", lambda: hits.coc)
+    recorder.record("ambiguous", lambda: hits.ambiguous)

@@ -92,9 +92,9 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, trace)
+    return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -138,8 +138,8 @@ def _shares(width: int, height: int, levels: int) -> list[float]:
     return [-(-width // 2**k) * -(-height // 2**k) / (width * height) for k in range(levels + 1)]
 
 
-def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
-    trace.record("coc", lambda: coc)
+def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
+    recorder.record("coc", lambda: coc)
     front, back = _side(-float(coc.min()), params), _side(float(coc.max()), params)
     scalar = color.dtype.type
     known_all = np.concatenate([color, coc[..., None]], axis=-1)
@@ -151,7 +151,7 @@ def _blur(color: Float, coc: Float, params: Params, trace: StageRecorder) -> Flo
         layer[..., :3] *= opacity[..., None]
         layer[..., 3] = opacity
         layer = blurred(layer, abs(i))
-        trace.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
+        recorder.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
         out = layer + (scalar(1) - layer[..., 3:]) * out
     return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], scalar(1)), color)
 

@@ -76,10 +76,10 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, trace)
+    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
 
 
 def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
@@ -112,15 +112,15 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, trace: StageRecorder) -> Float:
+def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     radius = np.minimum(np.abs(coc).astype(np.float64), LARGEST_DISC)
     if params.order == "none":
         order = np.arange(depth.size)
     else:
         order = np.argsort(-depth, axis=None, kind="stable")
     sums = _scatter(color, radius, order, params.order != "none")
-    trace.record("coc", lambda: coc)
-    trace.record("shares", lambda: sums[..., 3])
+    recorder.record("coc", lambda: coc)
+    recorder.record("shares", lambda: sums[..., 3])
     return (sums[..., :3] / sums[..., 3:]).astype(color.dtype)
 
 

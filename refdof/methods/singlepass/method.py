@@ -88,12 +88,12 @@ METHOD = Method(
 )
 
 
-def render(view: View, params: Params, trace: StageRecorder) -> Float:
+def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), view.coc_px()
-    trace.record("coc", lambda: coc)
-    trace.record("size", lambda: _sizes(coc))
-    trace.record("taps", lambda: spiral()[:, :2])
+    recorder.record("coc", lambda: coc)
+    recorder.record("size", lambda: _sizes(coc))
+    recorder.record("taps", lambda: spiral()[:, :2])
     return blur(pinhole.color, depth_in_range(pinhole.depth), within(np.float32, coc), params)
 
 

@@ -1,7 +1,7 @@
 """G-buffer: what a layer stores so that its surfaces can be shaded later, against rays other than the pinhole's.
 
-One formula shades every material (`refdof.scene.scene`): albedo E(n) + emission + specular (...). An unlit surface has
-its colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
+One formula shades every material (`refdof.scene.material`): albedo E(n) + emission + specular (...). An unlit surface
+has its colour as emission, and only phong ones have a specular colour, so that attributes of different materials can be
 averaged, as mipmaps do.
 
 References
@@ -19,7 +19,7 @@ from refdof.optics.projection import Projection
 from refdof.raster.rays.layer_color import pinhole_hit
 from refdof.raster.rays.shading import lit, shading_normal, surface_color
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
-from refdof.scene.scene import SHADINGS
+from refdof.scene.material import SHADINGS
 
 __all__ = ["GBUFFER_CHANNELS", "gbuffer_of", "shade_gbuffer"]
 

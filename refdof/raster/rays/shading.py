@@ -1,4 +1,4 @@
-"""Shading: the light that leaves a surface point towards a ray, for kernels. Formulas: `refdof.scene.scene`.
+"""Shading: the light that leaves a surface point towards a ray, for kernels. Formulas: `refdof.scene.material`.
 
 References
 ----------
@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from refdof._jit import inline
-from refdof.scene.scene import SHADINGS
+from refdof.scene.material import SHADINGS
 
 __all__ = ["lit", "shade", "shading_normal", "surface_color"]
 

@@ -14,7 +14,8 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.optics.camera import Camera
-from refdof.scene.scene import SHADINGS, Scene
+from refdof.scene.material import SHADINGS
+from refdof.scene.scene import Scene
 
 __all__ = ["Surfaces", "borrow_surfaces", "intersect", "surfaces_of"]
 

@@ -16,7 +16,8 @@ from refdof.scene.kit.noise import smooth
 from refdof.scene.kit.shapes import arch, box, disc, lathe, leaf, plane, surface
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import bricks, cloth, mottled, paint, stone, tiles
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

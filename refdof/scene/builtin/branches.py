@@ -14,7 +14,8 @@ from refdof.scene.kit.plants import blossom, branch, facing, shades
 from refdof.scene.kit.shapes import leaf, plane, sphere, surface, tube
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import blend, mottled, paint, ramp
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -15,7 +15,8 @@ from refdof.scene.kit.noise import Noise3
 from refdof.scene.kit.shapes import box, lathe, leaf, plane, sphere
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import paint, planks, tiles, wood
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

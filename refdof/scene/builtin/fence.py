@@ -16,7 +16,8 @@ from refdof.scene.kit.plants import blossom, branch, bush, daisy, facing, grass,
 from refdof.scene.kit.shapes import box, lathe, leaf, plane, sphere
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import bricks, cobbles, mottled, paint, planks, wood
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

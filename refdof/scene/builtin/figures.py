@@ -17,7 +17,8 @@ from refdof.scene.kit.sculpt import Body, merged, sculpt, soft_union
 from refdof.scene.kit.shapes import arch, box, lathe, plane, tube
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import mottled, paint, ramp, stone, tiles
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

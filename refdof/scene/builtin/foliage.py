@@ -15,7 +15,8 @@ from refdof.scene.kit.plants import branch, bush, daisy, facing, grass, shades
 from refdof.scene.kit.shapes import lathe, leaf, plane, sphere
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import blend, mottled, paint, ramp
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -17,7 +17,8 @@ from refdof.scene.kit.shapes import box, lathe, plane, surface, tube
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import cobbles, mottled, paint, ramp
 from refdof.scene.kit.vehicles import car
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -14,7 +14,8 @@ from refdof.scene.kit.shapes import lathe, plane, sphere, surface, torus, tube
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.studio import studio
 from refdof.scene.kit.textures import mottled, paint, planks
-from refdof.scene.scene import Light, Material, Part
+from refdof.scene.material import Light, Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build", "lit"]
 

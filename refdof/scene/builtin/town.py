@@ -18,7 +18,8 @@ from refdof.scene.kit.shapes import box, lathe, surface
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import bricks, cobbles, mottled, paint
 from refdof.scene.kit.vehicles import car
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["NUMBERS", "build"]
 

@@ -6,7 +6,8 @@ from refdof.scene.kit.mesh import Mesh
 from refdof.scene.kit.noise import fractal, smooth
 from refdof.scene.kit.shapes import surface
 from refdof.scene.kit.textures import blend, paint, ramp
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["curtain", "sky"]
 

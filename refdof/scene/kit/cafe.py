@@ -15,7 +15,8 @@ from refdof.scene.kit.plants import blossom
 from refdof.scene.kit.shapes import box, disc, lathe, leaf, sphere, surface, torus, tube
 from refdof.scene.kit.shot import Shot
 from refdof.scene.kit.textures import cloth, mottled, paint, planks, ramp
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["cafe_table"]
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.scene.scene import Material, Part
+from refdof.scene.material import Material
+from refdof.scene.scene import Part
 
 __all__ = ["Mesh", "join", "rotation", "scatter"]
 

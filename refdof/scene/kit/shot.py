@@ -17,7 +17,7 @@ from refdof._check import InputError, as_color, as_integer, as_number
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.scene.scene import Light
+from refdof.scene.material import Light
 
 __all__ = ["LAST", "Shot", "parse_shot", "read_shot", "shot_places"]
 

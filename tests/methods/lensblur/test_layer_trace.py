@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from refdof import Light, ThinLens, View
 from refdof.methods.lensblur.layer_trace import Choices, new_stack, trace_layers
-from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.pixel_samples import LensPointSets
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS
 from tests import flat_scene
 
@@ -32,7 +32,7 @@ def trace(parallax, color, lens, focus, extension=0.0, complete=True, light=None
     shot = flat_scene.camera(width, height, 8.0)
     view = View(flat_scene.scene_of([], shot, background=BACKGROUND, light=light), shot, ThinLens(1.0, 1.0))
     lens = np.array(lens, float).reshape(-1, 2)
-    pattern = LensPattern(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(lens[None], np.ones((1, len(lens))), np.zeros((1, 1), np.int32))
     pinhole = np.zeros((height, width, 3), np.float32) if pinhole is None else pinhole
     stack, choices = new_stack(parallax, extension, complete), Choices(misses="black", **words)
     return trace_layers(stack, color, view.surfaces(), view.projection(), focus, pattern, pinhole, choices)
@@ -233,7 +233,7 @@ def test_sets_of_lens_points_go_by_row_and_column():
     view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
     points = np.zeros((4, 1, 2))
     points[1, 0, 0] = 1.0  # of pixels at odd columns and even rows only
-    pattern = LensPattern(points, np.ones((4, 1)), np.array([[0, 1], [2, 3]], np.int32))
+    pattern = LensPointSets(points, np.ones((4, 1)), np.array([[0, 1], [2, 3]], np.int32))
     color = np.zeros((1, 3, 3, 3), np.float32)
     color[0, ..., 0] = np.arange(9).reshape(3, 3)
     traced = trace_layers(
@@ -247,7 +247,7 @@ def test_sets_of_lens_points_go_by_row_and_column():
 def test_all_rays_missed_show_the_pinhole():
     shot = flat_scene.camera(2, 1, 8.0)
     view = View(flat_scene.scene_of([], shot, background=BACKGROUND), shot, ThinLens(1.0, 1.0))
-    pattern = LensPattern(np.array([[[-4.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(np.array([[[-4.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     pinhole = np.float32([[[1, 2, 3], [4, 5, 6]]])
     stack = new_stack(np.full((1, 1, 2), 0.25), 0.0, False)
     for misses, wanted in (("renormalise", pinhole), ("pinhole", pinhole), ("black", np.zeros((1, 2, 3)))):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods.lensblur.layer_trace import Choices, new_stack, trace_layers
 from refdof.methods.lensblur.method import FOOTPRINTS
-from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.pixel_samples import LensPointSets
 from refdof.rendering import make_params, render_view
 from tests import flat_scene
 from tests.methods.lensblur import naive
@@ -38,7 +38,7 @@ def random_pattern(random, rays, reach):
     points[:, 0] = [[0.0, 0.0], [reach, 0.0], [0.0, -reach], [-reach, 0.0]]  # along the axes, and none at all
     weights = random.random((4, rays))
     weights[1] = 1.0
-    return LensPattern(points, weights, random.integers(0, 4, (3, 3)).astype(np.int32))
+    return LensPointSets(points, weights, random.integers(0, 4, (3, 3)).astype(np.int32))
 
 
 def picture(seed, size, dtype=np.float64, twin=True, **words):
@@ -106,7 +106,7 @@ def test_a_fifth_layer_is_met_from_the_side_above_a_first_one():
     parallax[0, 0, 0], parallax[:, 0, 1] = 9.5, (20.0, 19.0, 18.0, 17.0, 10.0)
     color = np.zeros((5, 1, 2, 3), dtype=np.float32)
     color[4, 0, 1] = (1.0, 2.0, 3.0)
-    pattern = LensPattern(np.array([[[-1.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), dtype=np.int32))
+    pattern = LensPointSets(np.array([[[-1.0, 0.0]]]), np.ones((1, 1)), np.zeros((1, 1), dtype=np.int32))
     view = empty_view(2, 1)
     for iterations in (0, 3):
         traced = trace_layers(

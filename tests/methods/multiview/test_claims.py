@@ -14,9 +14,9 @@ import pytest
 import refdof
 from refdof import ThinLens, View
 from refdof.methods.multiview import Params, cone_width
+from refdof.methods.multiview.fields import Search, fields_of
 from refdof.methods.multiview.gather import gather
-from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.pixel_samples import lens_pattern
+from refdof.optics.pixel_samples import lens_point_sets
 from refdof.rendering import render_view
 from tests import flat_scene
 from tests.cards import lens_shares
@@ -224,7 +224,7 @@ def picture_from_exact_layers(name):
         first = inside.argmax(axis=0)
         heights.append(np.where(inside.any(axis=0), np.take_along_axis(coc, first[None], 0)[0], np.float32(np.inf)))
         colors.append(np.take_along_axis(layers.color, first[None, ..., None], 0)[0])
-    pattern = lens_pattern(words.samples, own.lens.aperture, words.jitter, words.pattern, words.seed)
+    pattern = lens_point_sets(words.samples, own.lens.aperture, words.jitter, words.pattern, words.seed)
     search = Search(False, words.steps, words.bisections, words.wall_px, False, True, True)
     heights = np.stack(heights)
     low, high = heights.min(axis=(1, 2)), np.where(heights < np.inf, heights, -np.inf).max(axis=(1, 2))

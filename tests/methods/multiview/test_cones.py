@@ -6,8 +6,8 @@ import pytest
 import refdof
 from refdof import Aperture, Material, Part, ThinLens, View, render
 from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
-from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.pixel_samples import LensPattern
+from refdof.methods.multiview.fields import Search, fields_of
+from refdof.optics.pixel_samples import LensPointSets
 from tests import flat_scene
 
 SEARCH = Search(False, 3, 5, 0.5, False, True, False)
@@ -25,7 +25,7 @@ def test_cones_blend_what_covers_them_by_hand():
     shot = flat_scene.camera(8, 8, 8.0)
     view = View(flat_scene.scene_of([], shot), shot, ThinLens(0.1, 1.0))
     points = np.array([[0.5, 0.25]])
-    pattern = LensPattern(points[None], np.ones((1, 1)), np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(points[None], np.ones((1, 1)), np.zeros((1, 1), np.int32))
     chain = mip_chain(color, coc, np.zeros(coc.shape, bool), 2.0)
     np.testing.assert_array_equal(chain.texels[0, 64:80], np.tile([0.75, 0.0, 0.0, 0.75, 0.75], (16, 1)))
     fields = fields_of(coc, bounds, bounds, 1.0)
@@ -39,7 +39,7 @@ def test_what_cones_leave_is_background_by_hand():
     chain = mip_chain(np.ones((1, 4, 4, 3), np.float32), coc, np.zeros(coc.shape, bool), 2.0)
     shot = flat_scene.camera(4, 4, 4.0)
     view = View(flat_scene.scene_of([], shot), shot, ThinLens(0.1, 1.0))
-    pattern = LensPattern(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     bounds = np.array([-4.0], np.float32)
     fields = fields_of(coc, bounds, bounds, 1.0)
     image = gather_cones(fields, chain, 0.5, pattern, SEARCH, view.projection(), view.surfaces(), (0.0, 0.5, 0.0))
@@ -51,7 +51,7 @@ def through_middle(coc, copied, widening, background):
     bounds = coc.min(axis=(1, 2))
     shot = flat_scene.camera(8, 8, 8.0)
     view = View(flat_scene.scene_of([], shot), shot, ThinLens(0.1, 1.0))
-    pattern = LensPattern(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(np.zeros((1, 1, 2)), np.ones((1, 1)), np.zeros((1, 1), np.int32))
     chain = mip_chain(np.zeros((*coc.shape, 3), np.float32), coc, copied, widening * np.abs(bounds).max())
     fields = fields_of(coc, bounds, bounds, 1.0, FOOTPRINT * widening)
     words = pattern, SEARCH, view.projection(), view.surfaces(), (background,) * 3

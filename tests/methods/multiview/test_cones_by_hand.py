@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import ThinLens, View
 from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
+from refdof.methods.multiview.fields import Search, fields_of
 from refdof.methods.multiview.gather import gather, trace_hits
-from refdof.methods.multiview.height_field import Search, fields_of
-from refdof.optics.pixel_samples import LensPattern
+from refdof.optics.pixel_samples import LensPointSets
 from tests import flat_scene
 
 pytestmark = pytest.mark.fast
@@ -66,7 +66,7 @@ def test_a_flat_layer_is_its_twin(c, holes, closes):
     bounds = np.array([c], np.float32)
     projection = flat_scene.camera(SIZE, SIZE, 8.0)
     view = View(flat_scene.scene_of([], projection), projection, ThinLens(0.1, 1.0))
-    pattern = LensPattern(POINTS[None], WEIGHTS[None], np.zeros((1, 1), np.int32))
+    pattern = LensPointSets(POINTS[None], WEIGHTS[None], np.zeros((1, 1), np.int32))
     reach = np.array([1.0]) if closes else None
     chain = mip_chain(color, coc, (copied & filled)[None], WIDENING * abs(c), reach)
     fields = fields_of(coc, bounds, bounds, 1.0, FOOTPRINT * WIDENING, 0.5)
@@ -87,7 +87,7 @@ def test_rays_of_two_sets_are_weighed(c):
     projection = flat_scene.camera(SIZE, SIZE, 8.0)
     view = View(flat_scene.scene_of([], projection), projection, ThinLens(0.1, 1.0))
     fields = fields_of(np.full((1, SIZE, SIZE), c, np.float32), bounds, bounds, 1.0, 0.0, 0.5)
-    pattern = LensPattern(points, weights, sets)
+    pattern = LensPointSets(points, weights, sets)
     image = gather(fields, color, pattern, SEARCH, view.projection(), view.surfaces(), BACKGROUND)
     texels = trace_hits(fields, pattern, SEARCH).texel
     wanted, met = np.zeros((SIZE, SIZE, 3)), np.zeros(texels.shape, int)

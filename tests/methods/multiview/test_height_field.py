@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 
 from refdof._jit import tile_kernel
+from refdof.methods.multiview.fields import Ray, Search, fields_of
 from refdof.methods.multiview.gather import culled_layers, trace_hits
-from refdof.methods.multiview.height_field import Ray, Search, fields_of, first_texel, step
-from refdof.optics.pixel_samples import LensPattern
+from refdof.methods.multiview.height_field import first_texel, step
+from refdof.optics.pixel_samples import LensPointSets
 
 pytestmark = pytest.mark.fast
 SEARCH = Search(middle=False, steps=3, bisections=5, wall=0.0, march=False, culling=False, discard=False, holes=False)
 
 
 def one_set(*points):
-    return LensPattern(np.array(points, float)[None], np.ones((1, len(points))), np.zeros((1, 1), np.int32))
+    return LensPointSets(np.array(points, float)[None], np.ones((1, len(points))), np.zeros((1, 1), np.int32))
 
 
 def field(width, heights):

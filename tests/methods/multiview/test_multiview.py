@@ -8,10 +8,10 @@ import pytest
 from refdof import Aperture, InputError, Light, Material, Part, ThinLens, View, reference, render
 from refdof.methods.multiview import Params
 from refdof.methods.multiview.decomposition import decompose, layer_bounds
+from refdof.methods.multiview.fields import Search, fields_of
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
-from refdof.methods.multiview.height_field import Search, fields_of
 from refdof.methods.multiview.method import _texel_bytes
-from refdof.optics.pixel_samples import LensPattern, lens_pattern
+from refdof.optics.pixel_samples import LensPointSets, lens_point_sets
 from tests import flat_scene
 from tests.methods.multiview import naive
 
@@ -48,11 +48,11 @@ def random_fields(seed, count=4, width=13, height=11, smooth=False, full=False, 
 
 
 def one_set(points):
-    return LensPattern(points[None], np.ones((1, len(points))), np.zeros((1, 1), np.int32))
+    return LensPointSets(points[None], np.ones((1, len(points))), np.zeros((1, 1), np.int32))
 
 
 def lens(count, seed):
-    points = lens_pattern(count, Aperture.disc(), "none", "sobol", seed).points[0]
+    points = lens_point_sets(count, Aperture.disc(), "none", "sobol", seed).points[0]
     return points.astype(np.float32).astype(np.float64)
 
 
