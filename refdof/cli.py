@@ -26,7 +26,7 @@ from refdof.methods import METHODS
 from refdof.methods._contract import facts_of
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.rendering import make_params, render_view
+from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES, shot_of
@@ -35,6 +35,8 @@ from refdof.scene.scene import Scene
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
+from refdof.warm import REFERENCE, job_of
+from refdof.warm import warm as compile_jobs
 
 __all__ = ["app", "main"]
 
@@ -189,6 +191,13 @@ def compare(
         print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
     else:
         print(markdown_table(comparisons))
+
+
+@app.command()
+def warm() -> None:
+    """Compile every method and the reference ahead of time, in parallel, as container images and CI want it."""
+    with _progress() as tell:
+        compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
 
 
 def main() -> None:

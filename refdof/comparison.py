@@ -18,8 +18,10 @@ class Row:
     ----------
     image : (H, W, 3) float32, linear RGB
     scores : by name, see `refdof.metrics.METRICS`
-    prepare_s, blur_s : seconds spent on raster products and on the method itself
+    prepare_s, blur_s : seconds of a warm run spent on raster products, and of the method itself, the median
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
+    runs : how many warm runs were timed
+    spread_s : the longest `blur_s` of them less the shortest
     """
 
     method: str
@@ -29,6 +31,8 @@ class Row:
     prepare_s: float
     blur_s: float
     preset: str = "best"
+    runs: int = 1
+    spread_s: float = 0.0
 
     @property
     def name(self) -> str:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index, as_instance, as_integer
+from refdof._jit import compilations
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.projection import Projection, projection_of
@@ -55,7 +56,10 @@ class Booking:
 
 
 class View:
-    """A scene, a camera and a lens, and the raster products made of them so far."""
+    """A scene, a camera and a lens, and the raster products made of them so far.
+
+    With `times_warm_runs`, a product during whose making something was compiled is made once more, to time it.
+    """
 
     def __init__(self, scene: Scene, camera: Camera, lens: ThinLens) -> None:
         for name, value, kind in (
@@ -65,6 +69,7 @@ class View:
         ):
             as_instance(name, value, kind)
         self.scene, self.camera, self.lens = scene, camera, lens
+        self.times_warm_runs = False
         self._products: dict[str, tuple[Any, dict[str, float]]] = {}
         self._bookings: list[Booking] = []
 
@@ -164,12 +169,18 @@ class View:
         The name must say all that `build` depends on besides the view.
         """
         if name not in self._products:
+            before = compilations()
             with self.booking() as book:
                 start = time.perf_counter()
                 value = build()
-                seconds = time.perf_counter() - start - book.spent
+                seconds = spent = time.perf_counter() - start - book.spent
+            if self.times_warm_runs and compilations() != before:
+                start = time.perf_counter()
+                value = build()
+                seconds = time.perf_counter() - start
+                spent += seconds
             for other in self._bookings:
-                other.spent += seconds
+                other.spent += spent
             self._products[name] = value, {**book.used, name: seconds}
         value, used = self._products[name]
         for book in self._bookings:

@@ -1,14 +1,25 @@
 """All Numba policy: decorators, a cache that cannot go stale, and the number of threads."""
 
-from refdof._jit.compile import JIT_DISABLED, callback, inline, kernel, prange, tile_kernel
+from refdof._jit.compile import (
+    JIT_DISABLED,
+    cache_folder,
+    callback,
+    compilations,
+    inline,
+    kernel,
+    prange,
+    tile_kernel,
+)
 from refdof._jit.memory import borrow, call_address, load_int32, store_int32
 from refdof._jit.threads import run_tasks, thread_count, use_threads
 
 __all__ = [
     "JIT_DISABLED",
     "borrow",
+    "cache_folder",
     "call_address",
     "callback",
+    "compilations",
     "inline",
     "kernel",
     "load_int32",

@@ -17,6 +17,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,18 @@ import numpy as np
 from numba import types
 from numba.core.caching import IndexDataCacheFile
 
-__all__ = ["JIT_DISABLED", "callback", "inline", "kernel", "prange", "tile_kernel"]
+from refdof._jit.lazy import HelperDispatcher, LazyCompiler, lazily
+
+__all__ = ["JIT_DISABLED", "cache_folder", "callback", "compilations", "inline", "kernel", "prange", "tile_kernel"]
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
 _KEEP_DAYS = 30
+_HOW: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+    "pipeline_class": LazyCompiler,
+}
 
 
 def _package_folder() -> Path:
@@ -83,6 +92,13 @@ def _open_cache() -> None:
 
 _open_cache()
 
+
+def cache_folder() -> Path | None:
+    """Where this build's machine code is kept; None: it is not."""
+    folder = numba.config.CACHE_DIR
+    return Path(folder) if folder and not JIT_DISABLED else None
+
+
 prange = numba.prange
 
 
@@ -118,30 +134,78 @@ class _KeyedFiles(IndexDataCacheFile):
         return self._data_name_pattern.replace("{number:d}", hashlib.sha256(words.encode()).hexdigest()[:32])
 
 
+class _Counter:
+    """How often this process has compiled a function or read one from a cache file."""
+
+    count = 0
+
+
+def compilations() -> int:
+    """How many functions this process has compiled, or read from cache files, so far."""
+    return _Counter.count
+
+
+class _LazyCache:
+    """A dispatcher's cache whose libraries are lazy."""
+
+    def __init__(self, cache: Any) -> None:
+        self._cache = cache
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        _Counter.count += 1
+        with lazily():
+            return self._cache.load_overload(signature, context)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._cache, name)
+
+
 def _keyed(compiled: Any) -> Any:
     """A dispatcher whose cache files are keyed; with compilation off, the function itself."""
     if not JIT_DISABLED:
         compiled._cache._cache_file = _KeyedFiles(compiled.py_func, compiled._cache)
+        compiled._cache = _LazyCache(compiled._cache)
     return compiled
 
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a loop over pixels: `prange` iterations own what they write."""
-    return _keyed(numba.njit(parallel=True, cache=True, error_model="numpy")(function))
+    return _keyed(numba.njit(parallel=True, **_HOW)(function))
 
 
 def tile_kernel(function: Callable[..., Any]) -> Any:
     """Compile one tile's work for `run_tasks`: serial inside, without the interpreter's lock."""
     if JIT_DISABLED:  # compiled integers wrap around silently, and so shall interpreted ones
         return np.errstate(over="ignore")(function)
-    return _keyed(numba.njit(nogil=True, cache=True, error_model="numpy")(function))
+    return _keyed(numba.njit(nogil=True, **_HOW)(function))
 
 
 def inline(function: Callable[..., Any]) -> Any:
     """Compile a helper that a kernel calls in its inner loop."""
-    return _keyed(numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
+    helper = _keyed(numba.njit(forceinline=True, no_cpython_wrapper=True, **_HOW)(function))
+    if not JIT_DISABLED:
+        helper.__class__ = HelperDispatcher
+    return helper
 
 
-def callback(function: Callable[..., Any]) -> Any:
+class _Callback:
+    """A function for foreign code, compiled when its address is asked for."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+
+    @cached_property
+    def compiled(self) -> Any:
+        """Numba's own object, which must live as long as the address is used."""
+        signature = types.void(types.CPointer(types.intp))
+        return numba.cfunc(signature, cache=True, error_model="numpy")(self.function)
+
+    @property
+    def address(self) -> int:
+        """Where the machine code is."""
+        return int(self.compiled.address)
+
+
+def callback(function: Callable[..., Any]) -> _Callback:
     """Compile a function that foreign code calls with an array of pointers; its `.address` is an integer."""
-    return numba.cfunc(types.void(types.CPointer(types.intp)), cache=True, error_model="numpy")(function)
+    return _Callback(function)

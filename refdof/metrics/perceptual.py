@@ -13,8 +13,6 @@ References
 
 from typing import Any
 
-import flip_evaluator
-
 from refdof.metrics._pair import display_pair
 
 __all__ = ["FLIP_PPD", "flip"]
@@ -35,6 +33,8 @@ def flip(reference: Any, image: Any) -> float:
     InputError
         If shapes differ or a value is not finite.
     """
+    import flip_evaluator  # slow to import
+
     first, second = display_pair(reference, image)
     _, mean, _ = flip_evaluator.evaluate(
         first,

@@ -23,7 +23,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.stats import qmc
 
 from refdof._check import Float, as_choice, as_instance, as_integer
 from refdof.optics.aperture import Aperture
@@ -75,10 +74,14 @@ def lens_samples(
 
 def _sobol(count: int, rng: np.random.Generator) -> Float:
     """A net of 2^m points has no gaps; its first `count` are the best that other counts can have."""
+    from scipy.stats import qmc  # slow to import
+
     return qmc.Sobol(2, seed=rng).random_base2(max(count - 1, 0).bit_length())[:count]
 
 
 def _halton(count: int, rng: np.random.Generator) -> Float:
+    from scipy.stats import qmc  # slow to import
+
     return qmc.Halton(2, seed=rng).random(count)
 
 

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from refdof._check import Float
 from refdof.optics.aperture import Aperture
@@ -85,6 +84,8 @@ def widened(aperture: Aperture, margin: float) -> tuple[Aperture, float]:
         columns = math.ceil(min(0.5 * width * margin / scale[0], width))
         padded = np.pad(aperture.weights, ((rows, rows), (columns, columns)))
         texel = 2.0 * scale[::-1] / (height, width)
+        from scipy import ndimage  # slow to import
+
         distance, nearest = ndimage.distance_transform_edt(padded == 0.0, sampling=texel, return_indices=True)
         near = padded[tuple(nearest)]
         grown = np.where(distance <= margin, near, 0.0)

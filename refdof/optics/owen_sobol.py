@@ -20,10 +20,9 @@ References
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import qmc
 
 from refdof._check import Index
 from refdof._jit import borrow, inline
@@ -53,6 +52,8 @@ class Block(NamedTuple):
 @lru_cache(maxsize=8)
 def block_of(first: int, log2_count: int) -> Block:
     """The block of 2^log2_count points that starts at `first`."""
+    from scipy.stats import qmc  # slow to import
+
     count = 1 << log2_count
     engine = qmc.Sobol(_DIMENSIONS, scramble=False, bits=32)
     if first:
@@ -79,7 +80,7 @@ def _z_curve(column_bits: int, row_bits: int) -> Index:
     return cells
 
 
-def _next(engine: qmc.Sobol, count: int) -> np.ndarray:
+def _next(engine: Any, count: int) -> np.ndarray:
     """The next points; blocks are aligned powers of two, so SciPy's advice on balance is already followed."""
     import warnings
 

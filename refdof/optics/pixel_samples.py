@@ -19,7 +19,6 @@ References
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from refdof._check import Float, Index, as_choice, as_instance, as_integer
 from refdof.optics.aperture import Aperture
@@ -98,6 +97,8 @@ def mean_nearest_distance(points: Float) -> float:
     """Mean distance from a point (N, 2) to its nearest neighbour; 2, the lens's diameter, for a single point."""
     if len(points) == 1:
         return 2.0
+    from scipy.spatial import cKDTree  # slow to import
+
     return float(cKDTree(points).query(points, k=2)[0][:, 1].mean())
 
 

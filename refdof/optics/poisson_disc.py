@@ -16,9 +16,9 @@ References
 """
 
 import math
+from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from refdof._check import Float, Index
 from refdof.optics.aperture import Aperture
@@ -70,6 +70,8 @@ def _along_the_longest_axis(goal: Moments) -> Float:
 
 def _darts(aperture: Aperture, count: int, rng: np.random.Generator) -> tuple[Float, float]:
     """Points (count, 2), and the share of the largest distance that they keep: it shrinks, so that this always ends."""
+    from scipy.spatial import cKDTree  # slow to import
+
     share = RELATIVE_DISTANCE
     usual = _reach(aperture, aperture.from_square(rng.random((_LEAST_DARTS, 2))), share, count).mean()
     wide, light = widened(aperture, min(_RIM * float(usual), _WIDEST_RIM))
@@ -108,7 +110,7 @@ def _reach(aperture: Aperture, points: Float, share: float, count: float) -> Flo
         return share * np.sqrt(2.0 / (math.sqrt(3.0) * count * density(aperture, points)))
 
 
-def _within(tree: cKDTree, points: Float, reach: Float) -> tuple[Index, Index]:
+def _within(tree: Any, points: Float, reach: Float) -> tuple[Index, Index]:
     """All (i, j) such that point j of the tree lies within reach (N,) of points[i]."""
     if len(points) == 0:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
@@ -119,6 +121,8 @@ def _within(tree: cKDTree, points: Float, reach: Float) -> tuple[Index, Index]:
 
 def _near_pairs(points: Float, reach: Float) -> Index:
     """Pairs (M, 2) of points, i < j, nearer than the smaller of their reaches, in the order of j."""
+    from scipy.spatial import cKDTree  # slow to import
+
     later, earlier = _within(cKDTree(points), points, reach)
     pair = np.stack([earlier, later], axis=1)[earlier < later]
     distance = np.hypot(*(points[pair[:, 0]] - points[pair[:, 1]]).T)

@@ -51,6 +51,8 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
                 **{name: plain(row.scores.get(name)) for name in METRICS},
                 "prepare_s": plain(row.prepare_s),
                 "blur_s": plain(row.blur_s),
+                "spread_s": plain(row.spread_s),
+                "runs": row.runs,
                 "at_noise_floor": at_noise_floor(row, comparison),
             }
             for row in comparison.rows

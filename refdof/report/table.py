@@ -25,7 +25,8 @@ class Column(NamedTuple):
 def columns() -> list[Column]:
     """Every metric, then the times."""
     metrics = [Column(name, metric.heading, metric.decimals) for name, metric in METRICS.items()]
-    return [*metrics, Column("prepare_s", "prepare [s]", 3), Column("blur_s", "blur [s]", 3)]
+    times = {"prepare_s": "prepare [s]", "blur_s": "blur [s]", "spread_s": "spread [s]"}
+    return [*metrics, *(Column(key, heading, 3) for key, heading in times.items())]
 
 
 def markdown_table(comparisons: Sequence[Comparison]) -> str:
@@ -63,7 +64,7 @@ def reference_line(comparison: Comparison) -> str:
 
 
 def footnote() -> str:
-    """What the columns mean: a line for metrics of the display image, and one for metrics of linear values."""
+    """What the columns mean: metrics of the display image, metrics of linear values, times."""
     images = {"display": f"the display image, {DISPLAY['tone_map']}", "linear": "linear values"}
     lines = []
     for values, image in images.items():
@@ -74,6 +75,9 @@ def footnote() -> str:
         ]
         if told:
             lines.append(f"Of {image}: {', '.join(told)}.")
+    lines.append(
+        "Times are of runs that compiled nothing; blur: median of three short ones; spread: longest less shortest."
+    )
     return "\n".join(lines)
 
 
@@ -93,7 +97,7 @@ def csv_table(comparisons: Sequence[Comparison]) -> str:
 
 def _value(row: Row, key: str) -> Any:
     """A score, None where there is none, or a time."""
-    return row.scores.get(key) if key in METRICS else {"prepare_s": row.prepare_s, "blur_s": row.blur_s}[key]
+    return row.scores.get(key) if key in METRICS else getattr(row, key)
 
 
 def _aligned(head: list[str], body: list[list[str]]) -> str:

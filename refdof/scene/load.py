@@ -8,7 +8,6 @@ from typing import Any
 from refdof._check import InputError, as_choice, as_color, as_path
 from refdof.scene.builtin import SCENES, built_in
 from refdof.scene.material import SHADINGS
-from refdof.scene.mesh_file import load_mesh
 from refdof.scene.scene import Scene
 
 __all__ = ["load_scene"]
@@ -50,5 +49,7 @@ def load_scene(
         near = difflib.get_close_matches(str(name), SCENES, n=1, cutoff=0.6)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise InputError(f"scene: got {str(name)!r}; {hint}allowed are {', '.join(SCENES)}, or a mesh file")
+    from refdof.scene.mesh_file import load_mesh  # trimesh is slow to import
+
     words: dict[str, Any] = {} if background is None else {"background": background}
     return load_mesh(path, shading, **words)

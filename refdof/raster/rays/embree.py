@@ -14,12 +14,12 @@ References
 """
 
 import ctypes
+import importlib.util
 import weakref
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-import embreex
 import numpy as np
 
 from refdof._check import Float, Index
@@ -158,7 +158,10 @@ def _aligned(size: int) -> np.ndarray:
 
 
 def _library() -> ctypes.CDLL:
-    package = Path(embreex.__file__).parent
+    found_at = importlib.util.find_spec("embreex")  # importing it would load all of trimesh
+    if found_at is None or found_at.origin is None:
+        raise ImportError("the package embreex is not installed")
+    package = Path(found_at.origin).parent
     folders = [
         package.parent / "embreex.libs",
         package / ".dylibs",
