@@ -23,7 +23,9 @@ def comparison(width=40, height=30, methods=("multiview", "mipmap"), scene="fenc
     rows = []
     for k, name in enumerate(methods):
         image = (reference + random.normal(0.0, 0.1, reference.shape)).astype(np.float32)
-        rows.append(Row(name, {"samples": 64 + k, "pattern": "halton"}, image, dict(scores), 0.5, 0.125))
+        rows.append(
+            Row(name, {"samples": 64 + k, "pattern": "halton"}, image, dict(scores), 0.5, 0.125, "best", 3, 0.0625)
+        )
     return Comparison(
         scene=scene,
         camera=Camera((0, 0, 1), (0, 0, 0), size=(width, height)),

@@ -1,5 +1,7 @@
 """Products are made once, booked to everyone who used them, and only made if somebody asks."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,44 @@ def test_a_product_is_made_once_and_booked_to_both():
     assert first.spent == pytest.approx(first.prepare)  # the same seconds, summed in another order
     assert second.spent == 0.0
     assert set(first.used) == {"surfaces", "tracer", "layers 1", "pinhole"}
+
+
+def test_a_product_that_compiled_something_is_timed_once_more(monkeypatch):
+    # The first making of "slow" compiles and takes 50 ms; that of "quick" compiles nothing.
+    compiled = [0]
+    monkeypatch.setattr("refdof.view.compilations", lambda: compiled[0])
+    shared, made = view(), []
+    shared.times_warm_runs = True
+
+    def slow():
+        made.append("slow")
+        if len(made) == 1:
+            compiled[0] += 1
+            time.sleep(0.05)
+        return len(made)
+
+    with shared.booking() as book:
+        assert shared.product("slow", slow) == 2
+        assert shared.product("quick", lambda: made.append("quick")) is None
+    assert made == ["slow", "slow", "quick"]
+    assert book.used["slow"] < 0.05 < book.spent  # both makings were waited for
+
+
+def test_a_run_that_compiled_something_is_not_timed(monkeypatch):
+    compiled, runs = [0], []
+    monkeypatch.setattr("refdof.compare.compilations", lambda: compiled[0])
+
+    def rendered(name, *words, **more):
+        runs.append(name)
+        compiled[0] += len(runs) <= 3  # the first run
+        return render_view(name, *words, **more)
+
+    monkeypatch.setattr("refdof.compare.render_view", rendered)
+    monkeypatch.setattr("refdof.compare.warm_up", lambda *_: runs.append("warm up"))
+    scene = view().scene
+    row = compare(scene, ["separable"], samples=16).rows[0]
+    assert runs == ["warm up", "warm up", *["separable"] * 4]
+    assert row.runs == 3
 
 
 def test_nothing_is_made_that_nobody_asked_for():

@@ -124,6 +124,71 @@ def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
     assert (cache / "young").exists()
 
 
+LAZY = """
+import sys
+import numpy as np
+from numba.core.codegen import JITCodeLibrary
+made = []
+finish = JITCodeLibrary._finalize_final_module
+JITCodeLibrary._finalize_final_module = lambda self: (made.append(self.name), finish(self))
+from refdof._jit import compile, inline, kernel, prange, tile_kernel
+if sys.argv[1] == "eager":
+    from numba.core.compiler import Compiler
+    compile._HOW["pipeline_class"] = Compiler
+
+
+@inline
+def bend(x):
+    return np.float32(1) / (x * x + np.float32(0.3)) - np.sqrt(x)
+
+
+@inline
+def bend_twice(x):
+    return bend(bend(x) * bend(x))
+
+
+@tile_kernel
+def total(a):
+    out = np.float32(0)
+    for k in range(len(a)):
+        out += bend_twice(a[k])
+    return out
+
+
+@kernel
+def every(a):
+    out = np.empty_like(a)
+    for k in prange(len(a)):
+        out[k] = bend_twice(a[k]) + bend(a[k])
+    return out
+
+
+a = np.linspace(0, 3, 1000, dtype=np.float32)
+print(float(total(a)).hex(), every(a).tobytes().hex())
+print(bend.__class__.__name__, [name for name in made if "bend" in name])
+print(bend(np.float32(2.0)) == bend.py_func(np.float32(2.0)))
+"""
+
+
+@pytest.mark.skipif(compile_.JIT_DISABLED, reason="about compiled code; the compiled pass runs it")
+def test_helpers_are_not_made_into_machine_code_and_no_bit_changes(tmp_path):
+    # Beside Numba's own way, from an empty cache and from a full one. A helper can be called from Python all the same.
+    script = tmp_path / "lazy.py"
+    script.write_text(LAZY)
+
+    def lines(how):
+        words = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "REFDOF_CACHE_DIR": str(tmp_path / how)}
+        command = [sys.executable, str(script), how]
+        done = subprocess.run(command, env=words, capture_output=True, text=True, timeout=300, check=True)
+        return done.stdout.splitlines()
+
+    cold, cached, eager = lines("lazy"), lines("lazy"), lines("eager")
+    assert cold[0] == cached[0] == eager[0]
+    assert cold[1] == cached[1] == "HelperDispatcher []"
+    assert "bend" in eager[1].split(" ", 1)[1]
+    assert cold[2] == cached[2] == eager[2] == "True"
+
+
 def test_tasks_report_progress_and_pass_errors_on():
     seen = []
     out = np.zeros(10)

@@ -67,6 +67,8 @@ def test_json_has_the_promised_structure():
         **SCORES,
         "prepare_s": 0.5,
         "blur_s": 0.125,
+        "spread_s": 0.0625,
+        "runs": 3,
         "at_noise_floor": False,
     }
     for word in ("compare fence", "--size 40x30", "--methods multiview,mipmap", "--set mipmap.samples=65"):
@@ -124,7 +126,7 @@ def test_csv_has_the_numbers_of_the_json(tmp_path):
     for line, row in zip(rows, found, strict=True):
         assert (line["scene"], line["method"]) == ("fence", row["method"])
         assert strict_json(line["params"]) == row["params"]
-        for key in [*SCORES, "prepare_s", "blur_s"]:
+        for key in [*SCORES, "prepare_s", "blur_s", "spread_s"]:
             assert float(line[key]) == row[key]
 
 
@@ -132,7 +134,7 @@ def test_headings_of_the_table():
     head = [cell.strip() for cell in markdown_table([comparison()]).splitlines()[2].strip("|").split("|")]
     assert head == [
         "method", "PSNR [dB]", "8-bit PSNR [dB]", "SSIM", "FLIP", "RMSE", "relMSE", "max", "prepare [s]", "blur [s]",
-        "note",
+        "spread [s]", "note",
     ]  # fmt: skip
 
 
