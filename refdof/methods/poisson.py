@@ -35,9 +35,9 @@ import numpy as np
 from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import blend_texels
+from refdof.image.bilinear import texels_around
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
-from refdof.raster.filters.bilinear import texels_around
 from refdof.raster.filters.mip_chain import box_mipmaps
 from refdof.stages import StageRecorder
 from refdof.view import View

@@ -68,7 +68,7 @@ def test_levels_of_odd_sizes_are_rounded_down():
 def test_facts_of_every_method(name):
     facts = facts_of(METHODS[name].METHOD, 640, 480)
     assert facts["source"]
-    assert facts["texture_reads_per_pixel"] is None or facts["fetch_units"] >= 0
+    assert facts["texture_reads_per_pixel"] is None or facts["texture_reads_per_pixel"] >= 0
     assert facts["params"] == vars(METHODS[name].Params())
     assert METHODS[name].METHOD.reads_in_words(640, 480)
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.image.bilinear import bilinear
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, Hit, Ray, enter_picture, first_hit, neighbours, pack_layers
 from refdof.optics.pixel_samples import LensPointSets
@@ -262,7 +263,9 @@ def _hit_color(surfaces, projection, packs, values, linear, hit, ray):
         r1, g1, b1 = _radiance(surfaces, projection, values, *across, ax, ay)
         r2, g2, b2 = _radiance(surfaces, projection, values, *along, ax, ay)
         r3, g3, b3 = _radiance(surfaces, projection, values, *corner, ax, ay)
-        r, g, b = _mix(r, r1, r2, r3, fx, fy), _mix(g, g1, g2, g3, fx, fy), _mix(b, b1, b2, b3, fx, fy)
+        r = bilinear(r, r1, r2, r3, fx, fy)
+        g = bilinear(g, g1, g2, g3, fx, fy)
+        b = bilinear(b, b1, b2, b3, fx, fy)
     return r, g, b
 
 
@@ -277,9 +280,3 @@ def _radiance(surfaces, projection, values, layer, x, y, ax, ay):
         (0.5 * projection.height - ay) / projection.pixels_per_tangent,
     )
     return shade_gbuffer(surfaces, value, dx, dy, -1.0)
-
-
-@inline
-def _mix(here, across, along, corner, fx, fy):
-    """Bilinear blend."""
-    return (here * (1 - fx) + across * fx) * (1 - fy) + (along * (1 - fx) + corner * fx) * fy

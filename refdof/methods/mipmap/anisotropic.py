@@ -23,7 +23,7 @@ import numpy.typing as npt
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import weigh_texels
-from refdof.raster.filters.bilinear import bilinear
+from refdof.image.bilinear import bilinear
 
 __all__ = ["Chain", "begin", "depth_of_chain", "downsample", "foreground_blur", "new_chain"]
 

@@ -16,8 +16,8 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import INWARD, read_circle
+from refdof.image.bilinear import bilinear, texels_around
 from refdof.methods.mipmap.anisotropic import Chain
-from refdof.raster.filters.bilinear import bilinear, texels_around
 
 __all__ = ["CIRCLE", "K_SIGMA", "SmoothedBlur", "smooth_blur", "upsample"]
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
+from refdof.image.bilinear import bilinear
 from refdof.methods.multiview.coverage import coverage_mipmaps
 from refdof.methods.multiview.fields import Fields, Ray, Search, borrow_fields, visit
 from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents, shared_of
@@ -196,11 +197,8 @@ def _add_bilinear(texels, level, k, px, py, weight, out):
     v = min(max(py * (height / level[0, 2]) - 0.5, -1.0), height + 0.0)
     i, j = math.floor(u), math.floor(v)
     a, b = u - i, v - j
-    for dy in range(2):
-        row = first + min(max(j + dy, 0), height - 1) * width
-        wy = weight * (b if dy == 1 else 1.0 - b)
-        for dx in range(2):
-            texel = row + min(max(i + dx, 0), width - 1)
-            w = wy * (a if dx == 1 else 1.0 - a)
-            for channel in range(len(out)):
-                out[channel] += w * texels[texel, channel]
+    x0, x1 = min(max(i, 0), width - 1), min(max(i + 1, 0), width - 1)
+    y0, y1 = first + min(max(j, 0), height - 1) * width, first + min(max(j + 1, 0), height - 1) * width
+    p, q, r, s = y0 + x0, y0 + x1, y1 + x0, y1 + x1
+    for c in range(len(out)):
+        out[c] += weight * bilinear(texels[p, c], texels[q, c], texels[r, c], texels[s, c], a, b)

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from refdof._jit import inline
+from refdof.image.bilinear import bilinear
 from refdof.scene.material import SHADINGS
 
 __all__ = ["lit", "shade", "shading_normal", "surface_color"]
@@ -121,12 +122,9 @@ def _environment(surfaces, x, y, z):
     k, n = min(i + 1, size - 1), min(j + 1, size - 1)
     a, b = fx - i, fy - j
     return (
-        (1.0 - b) * ((1.0 - a) * image[j, i, 0] + a * image[j, k, 0])
-        + b * ((1.0 - a) * image[n, i, 0] + a * image[n, k, 0]),
-        (1.0 - b) * ((1.0 - a) * image[j, i, 1] + a * image[j, k, 1])
-        + b * ((1.0 - a) * image[n, i, 1] + a * image[n, k, 1]),
-        (1.0 - b) * ((1.0 - a) * image[j, i, 2] + a * image[j, k, 2])
-        + b * ((1.0 - a) * image[n, i, 2] + a * image[n, k, 2]),
+        bilinear(image[j, i, 0], image[j, k, 0], image[n, i, 0], image[n, k, 0], a, b),
+        bilinear(image[j, i, 1], image[j, k, 1], image[n, i, 1], image[n, k, 1], a, b),
+        bilinear(image[j, i, 2], image[j, k, 2], image[n, i, 2], image[n, k, 2], a, b),
     )
 
 
@@ -155,9 +153,8 @@ def _texel(texels, texture, s, t):
     x1, y1 = (i + 1 if i + 1 < width else 0), (j + 1 if j + 1 < height else 0)
     p, q = first + y0 * width + x0, first + y0 * width + x1
     r, o = first + y1 * width + x0, first + y1 * width + x1
-    wp, wq, wr, wo = (1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b
     return (
-        wp * texels[p, 0] + wq * texels[q, 0] + wr * texels[r, 0] + wo * texels[o, 0],
-        wp * texels[p, 1] + wq * texels[q, 1] + wr * texels[r, 1] + wo * texels[o, 1],
-        wp * texels[p, 2] + wq * texels[q, 2] + wr * texels[r, 2] + wo * texels[o, 2],
+        bilinear(texels[p, 0], texels[q, 0], texels[r, 0], texels[o, 0], a, b),
+        bilinear(texels[p, 1], texels[q, 1], texels[r, 1], texels[o, 1], a, b),
+        bilinear(texels[p, 2], texels[q, 2], texels[r, 2], texels[o, 2], a, b),
     )

@@ -65,13 +65,13 @@ def test_picture_is_the_naive_twins(focus, cascade, border, boundary):
 def test_layers_are_the_naive_twins(boundary):
     camera, lens, twin = shot(0.8)
     color, depth = buffers(2)
-    trace = StageRecorder(on=True)
-    blur_buffers(color, depth, camera, lens, Params(boundary=boundary), trace)
+    recorder = StageRecorder(on=True)
+    blur_buffers(color, depth, camera, lens, Params(boundary=boundary), recorder)
     k_focus, parts = naive.layers(color, depth, twin, boundary)
-    assert len(parts) == len(trace.stages["layers"]) >= 5
-    np.testing.assert_allclose(trace.stages["layers"], parts, rtol=0, atol=1e-11)
+    assert len(parts) == len(recorder.stages["layers"]) >= 5
+    np.testing.assert_allclose(recorder.stages["layers"], parts, rtol=0, atol=1e-11)
     expected = [twin.layer_coc(abs(k - k_focus)) / 4.0 / twin.pitch for k in range(len(parts))]
-    np.testing.assert_allclose(trace.stages["deviation"], expected, rtol=1e-13)
+    np.testing.assert_allclose(recorder.stages["deviation"], expected, rtol=1e-13)
 
 
 @given(st.integers(0, 200), st.floats(0.5, 4.0))
@@ -166,9 +166,9 @@ def test_a_constant_colour_stays(options):
 def test_unblurred_layers_compose_to_alpha_one():
     camera, lens, _ = shot(0.8)
     color, depth = buffers(5)
-    trace = StageRecorder(on=True)
-    blur_buffers(color, depth, camera, lens, trace=trace)
-    left = np.prod(1.0 - trace.stages["layers"][..., 3], axis=0)
+    recorder = StageRecorder(on=True)
+    blur_buffers(color, depth, camera, lens, recorder=recorder)
+    left = np.prod(1.0 - recorder.stages["layers"][..., 3], axis=0)
     assert left.max() == 0.0  # one layer has weight 1 at every pixel
 
 
@@ -316,9 +316,9 @@ def test_a_background_is_there_once_and_only_buffers_that_exist_count():
     camera = flat_scene.camera(12, 8, 12.0)
     card = flat_scene.rectangle(-0.4, 0.4, -9, 9, 2.0, (0.8, 0.4, 0.2))
     scene = flat_scene.scene_of([card], camera, ThinLens(0.0, 1.0), (0.1, 0.2, 0.3))
-    trace = StageRecorder(on=True)
-    cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(), trace)
-    coordinate = trace.stages["coordinate"]
+    recorder = StageRecorder(on=True)
+    cascaded.render(View(scene, camera, ThinLens(0.3, 1.0)), Params(), recorder)
+    coordinate = recorder.stages["coordinate"]
     assert len(coordinate) == 2  # the card, and what is behind it
     on_card = coordinate[1, 4] >= 0
     assert on_card.sum() == 4  # 4.8 px wide around x = 6: centres 4.5 to 7.5
