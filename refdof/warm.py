@@ -23,7 +23,7 @@ from refdof.view import View
 __all__ = ["REFERENCE", "job_of", "warm"]
 
 REFERENCE = "reference"
-_SCENE, _SIZE = "cans", (160, 120)  # large enough for the functions that pictures of more than 16384 px use
+_SCENE, _SIZE = "branches", (160, 120)  # large enough for the functions that pictures of more than 16384 px use
 
 
 def job_of(method: str, preset: str) -> str:
@@ -100,9 +100,7 @@ def _mark(folder: Path, job: str) -> Path:
     return folder / f"{job.replace(' ', '-')}.warm"
 
 
-def _do(job: str) -> None:
-    scene = load_scene(_SCENE)
-    view = View(scene, scene.camera.with_size(_SIZE), scene.lens)
+def _do(job: str, view: View) -> None:
     if job == REFERENCE:
         reference_of_view(view, samples=16)
     else:
@@ -114,6 +112,8 @@ def _do(job: str) -> None:
 
 
 if __name__ == "__main__":  # a worker: a job a line
+    scene = load_scene(_SCENE)
+    shared = View(scene, scene.camera.with_size(_SIZE), scene.lens)
     for line in sys.stdin:
-        _do(line.strip())
+        _do(line.strip(), shared)
         print("done", flush=True)
