@@ -32,7 +32,7 @@ wheel: .venv/run  ## build the wheel and the source archive and try both outside
 	.ci/wheel
 
 readme: .venv/run  ## make the README's picture and table anew
-	$(BIN)/refdof compare fence --out out/readme
+	$(BIN)/refdof compare fence --size 320x240 --out out/readme
 	cp out/readme/overview.png docs/overview.png
 	$(BIN)/python .ci/readme_table.py out/readme/table.md
 

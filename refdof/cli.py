@@ -1,4 +1,4 @@
-"""The command line: `refdof scenes | methods | render | compare`.
+"""The command line: `refdof scenes | methods | render | compare | warm`.
 
 stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
 names the argument, what it got and what is allowed.
@@ -7,6 +7,7 @@ names the argument, what it got and what is allowed.
 import json
 import shlex
 import sys
+import textwrap
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -56,13 +57,20 @@ app = typer.Typer(
 Size = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
 ]
-Radius = Annotated[float | None, typer.Option("--lens-radius", help="Lens radius in scene units.")]
-Focus = Annotated[float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf.")]
+Radius = Annotated[
+    float | None, typer.Option("--lens-radius", help="Lens radius in scene units. Default: the scene's own.")
+]
+Focus = Annotated[
+    float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf. Default: the scene's own.")
+]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
 Tolerance = Annotated[
     float | None,
-    typer.Option("--tolerance", help="Sample each pixel until its standard error is this small; replaces --samples."),
+    typer.Option(
+        "--tolerance",
+        help="Sample each pixel until its standard error, in linear values, is below this; replaces --samples.",
+    ),
 ]
 Most = Annotated[int, typer.Option("--max-samples", help="With --tolerance: stop a pixel after this many samples.")]
 Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
@@ -99,21 +107,17 @@ def methods(as_json: AsJson = False) -> None:
         method, title = module.METHOD, _title(module)
         rows.append({"method": name, "title": title, **facts_of(method, *size)})
         reads = method.reads_in_words(*size)
-        texts.append(
-            [
-                name,
-                title,
-                method.origin,
-                ", ".join(method.inputs),
-                reads,
-                _words(method.defaults()),
-                _paper(method.paper),
-            ]
-        )
+        about = [f"{title} {method.origin}.", f"Needs {', '.join(method.inputs)}; {reads}.", _words(method.defaults())]
+        if method.paper:
+            about.append(f"paper: {_words(method.paper)}")
+        texts.append((name, about))
     if as_json:
         print(json.dumps(plain(rows), indent=2))
-    else:
-        _print_columns(texts)
+        return
+    for name, about in texts:
+        print(name)
+        for line in about:
+            print(textwrap.fill(line, 100, initial_indent="    ", subsequent_indent="        "))
 
 
 @app.command()
@@ -152,13 +156,15 @@ def render(
 @app.command()
 def compare(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE ...]", help="Built-in scenes or mesh files.")
+        list[str] | None,
+        typer.Argument(metavar="SCENE", help=f"Built-in scenes or mesh files. Default: {DEFAULT_SCENE}."),
     ] = None,
     methods: Annotated[
         str | None, typer.Option("--methods", metavar="A,B,C", help="Methods to compare. Default: all.")
     ] = None,
     out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Output folder for table, images and report.")
+        Path,
+        typer.Option("--out", metavar="DIR", help="Output folder for table, images and report; made if it is missing."),
     ] = Path("out"),
     settings: MethodSettings = None,
     preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=_PRESETS)] = "best",
@@ -175,8 +181,8 @@ def compare(
     """Compare methods with a reference: writes a table, images and a report, and prints the table."""
     _use_threads(threads)
     check_folder(out)
-    names = methods.split(",") if methods is not None else list(METHODS)
-    presets = preset.split(",")
+    names = _listed(methods) if methods is not None else list(METHODS)
+    presets = _listed(preset)
     params = _settings_by_method(settings or [], names, presets)
     comparisons = []
     with _progress() as tell:
@@ -195,7 +201,7 @@ def compare(
 
 @app.command()
 def warm() -> None:
-    """Compile every method and the reference ahead of time, in parallel, as container images and CI want it."""
+    """Compile everything now, in parallel, so that later runs start at once: for container images and CI."""
     with _progress() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
 
@@ -228,11 +234,21 @@ def _scene_camera_lens(
     scene = load_scene(name)
     camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
     lens = scene.lens
-    if lens_radius is not None:
-        lens = replace(lens, radius=lens_radius)
-    if focus is not None:
-        lens = replace(lens, focus_distance=focus)
+    try:
+        lens = replace(
+            lens,
+            radius=lens.radius if lens_radius is None else lens_radius,
+            focus_distance=lens.focus_distance if focus is None else focus,
+        )
+    except InputError as error:  # by the names of the options
+        names = str(error).replace("radius:", "lens-radius:", 1).replace("focus_distance:", "focus:", 1)
+        raise InputError(names) from None
     return scene, camera, lens
+
+
+def _listed(text: str) -> list[str]:
+    """Words between commas."""
+    return [word.strip() for word in text.split(",")]
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -267,8 +283,8 @@ def _settings_by_method(texts: list[str], methods: list[str], presets: list[str]
         key, value = _setting(text)
         method, dot, field = key.partition(".")
         if not dot or method not in params:
-            allowed = ", ".join(f"{name}.KEY=VALUE" for name in methods)
-            raise InputError(f"set: got {text!r}; allowed are {allowed}")
+            known = f", METHOD one of {', '.join(methods)}"
+            raise InputError(f"set: got {text!r}; allowed is METHOD.KEY=VALUE{known}")
         params[method][field] = value
     for method, values in params.items():
         for preset in presets:
@@ -300,10 +316,6 @@ def _title(module: Any) -> str:
 
 def _words(values: Mapping[str, Any]) -> str:
     return ", ".join(f"{key}={value}" for key, value in values.items())
-
-
-def _paper(values: Mapping[str, Any]) -> str:
-    return f"paper: {_words(values)}" if values else ""
 
 
 def _print_columns(rows: list[list[str]]) -> None:

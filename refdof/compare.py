@@ -1,5 +1,6 @@
 """Compare: the reference, every method and its scores, on one scene."""
 
+import math
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
@@ -110,7 +111,7 @@ def compare(
                 statistics.median(times),
                 kind,
                 len(times),
-                max(times) - min(times),
+                max(times) - min(times) if len(times) > 1 else math.nan,
             )
         )
     tell("scores", len(chosen), len(chosen))

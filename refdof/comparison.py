@@ -1,5 +1,6 @@
 """What a comparison holds: one scene, its reference, and one row per method."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ class Row:
     prepare_s, blur_s : seconds of a warm run spent on raster products, and of the method itself, the median
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     runs : how many warm runs were timed
-    spread_s : the longest `blur_s` of them less the shortest
+    spread_s : the longest `blur_s` of them minus the shortest; NaN of a single one
     """
 
     method: str
@@ -32,7 +33,7 @@ class Row:
     blur_s: float
     preset: str = "best"
     runs: int = 1
-    spread_s: float = 0.0
+    spread_s: float = math.nan
 
     @property
     def name(self) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import refdof
+from refdof.methods._contract import PROMISES
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
@@ -38,6 +39,12 @@ def test_every_method_has_a_page(extension, tmp_path):
             assert f"\n``{field}`` = ``" in page, (name, field)
         assert module.METHOD.source in page
         assert "one of `" not in page  # the words themselves, not the name of a constant
+
+
+def test_the_glossary_explains_every_promise():
+    glossary = (DOCS / "glossary.md").read_text()
+    for name, meaning in PROMISES.items():
+        assert f"  - {name}: {meaning}\n" in glossary
 
 
 def test_listed_modules_import_and_none_of_raster_is_left_out(extension):

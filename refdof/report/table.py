@@ -76,7 +76,8 @@ def footnote() -> str:
         if told:
             lines.append(f"Of {image}: {', '.join(told)}.")
     lines.append(
-        "Times are of runs that compiled nothing; blur: median of three short ones; spread: longest less shortest."
+        "Times exclude compilation. Short methods run three times: blur is the median, spread the longest minus the "
+        "shortest. Others run once."
     )
     return "\n".join(lines)
 
