@@ -17,8 +17,8 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
-from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -192,18 +192,17 @@ class _Callback:
     """A function for foreign code, compiled when its address is asked for."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self.function = function
-
-    @cached_property
-    def compiled(self) -> Any:
-        """Numba's own object, which must live as long as the address is used."""
-        signature = types.void(types.CPointer(types.intp))
-        return numba.cfunc(signature, cache=True, error_model="numpy")(self.function)
+        self._function, self._lock = function, Lock()
+        self._compiled: Any = None
 
     @property
     def address(self) -> int:
-        """Where the machine code is."""
-        return int(self.compiled.address)
+        """Where the machine code is, as long as this object lives."""
+        with self._lock:
+            if self._compiled is None:
+                signature = types.void(types.CPointer(types.intp))
+                self._compiled = numba.cfunc(signature, cache=True, error_model="numpy")(self._function)
+            return int(self._compiled.address)
 
 
 def callback(function: Callable[..., Any]) -> _Callback:

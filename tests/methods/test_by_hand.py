@@ -11,8 +11,8 @@ from refdof.methods import poisson
 from refdof.methods.cascaded.layers import filter_layers
 from refdof.methods.lensblur import method as lensblur
 from refdof.methods.pyramidal import method as pyramidal
-from refdof.methods.scatter.disc import covered
 from tests import flat_scene
+from tests.methods.scatter.discs import covered
 
 pytestmark = pytest.mark.fast
 

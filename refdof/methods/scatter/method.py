@@ -25,14 +25,15 @@ References
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, as_choice, as_instance
+from refdof._check import Float, Index, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
-from refdof.methods.scatter.disc import LARGEST_DISC, covered, inner_count, outer_count
+from refdof.methods.scatter.disc import LARGEST_DISC, covered_in_row, inner_count, outer_count, start_of_arc
 from refdof.stages import StageRecorder
 from refdof.view import View
 
@@ -118,39 +119,62 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
         order = np.arange(depth.size)
     else:
         order = np.argsort(-depth, axis=None, kind="stable")
-    sums = _scatter(color, radius, order, params.order != "none")
+    rows = (order // depth.shape[1]).astype(np.int32)
+    sums = _scatter(color, Discs(order, rows, radius.ravel()[order]), params.order != "none")
     recorder.record("coc", lambda: coc)
     recorder.record("shares", lambda: sums[..., 3])
     return (sums[..., :3] / sums[..., 3:]).astype(color.dtype)
 
 
+class Discs(NamedTuple):
+    """All pixels in the order in which they are shared: place in the flattened picture, row, radius [px]; (H W,)."""
+
+    place: Index
+    row: Index
+    radius: Float
+
+
 @kernel
-def _scatter(color, radius, order, over):
-    """Sums (H, W, 4) of shared colours and of shares; discs are taken in `order` (H W,)."""
-    height, width = radius.shape
+def _scatter(color, discs, over):
+    """Sums (H, W, 4) of shared colours and of shares."""
+    height, width = color.shape[0], color.shape[1]
+    places, rows, radii = discs.place, discs.row, discs.radius
     sums = np.zeros((height, width, 4), dtype=np.float64)
     for band in prange((height + _BAND - 1) // _BAND):
-        colors, radii, out, sequence = borrow(color), borrow(radius), borrow(sums), borrow(order)
+        colors, out, centre, ys, rs = borrow(color), borrow(sums), borrow(places), borrow(rows), borrow(radii)
         first, end = band * _BAND, min((band + 1) * _BAND, height)
-        for k in range(len(sequence)):
-            y, x = sequence[k] // width, sequence[k] % width
-            r = radii[y, x]
+        arcs, disc_of_arc, shares = np.zeros(width), np.full(width, -1), np.zeros(width)
+        for k in range(len(ys)):
+            y, r = np.int64(ys[k]), rs[k]
             reach = int(np.floor(r + 0.5))
             if y + reach < first or y - reach >= end:
                 continue
+            x = centre[k] - y * width
             red, green, blue = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2])
             even = 1.0 / (math.pi * r * r) if reach > 0 else 1.0
-            for row in range(max(first, y - reach), min(end, y + reach + 1)):
-                j = abs(row - y)
-                inner, outer = inner_count(j, r), outer_count(j, r)
-                if reach == 0:
+            widest = max(x, width - 1 - x) + 1
+            # Rows j above and below the centre are alike.
+            nearest = max(first - y, y - end + 1, 0)
+            low = start_of_arc(max(nearest - 0.5, 0.0), r) if reach > 0 else (0.0, 0.0)
+            for j in range(nearest, min(max(y - first, end - 1 - y), reach) + 1):
+                inner, outer = inner_count(j, r), min(outer_count(j, r), widest)
+                if reach > 0:
+                    high = start_of_arc(j + 0.5, r)
+                    covered_in_row(j, r, inner, outer, low, high, k, arcs, disc_of_arc, shares)
+                    low = high
+                else:
                     inner, outer = 1, 1
-                for i in range(min(outer, max(x, width - 1 - x) + 1)):
-                    share = even if i < inner else even * covered(i, j, r)
-                    if x + i < width:
-                        _add(out[row, x + i], red, green, blue, share, over)
-                    if i > 0 and x - i >= 0:
-                        _add(out[row, x - i], red, green, blue, share, over)
+                for side in range(2 if j > 0 else 1):
+                    row = y + j if side == 0 else y - j
+                    if row < first or row >= end:
+                        continue
+                    for column in range(max(x - inner + 1, 0), min(x + inner, width)):
+                        _add(out[row, column], red, green, blue, even, over)
+                    for i in range(inner, outer):
+                        if x + i < width:
+                            _add(out[row, x + i], red, green, blue, even * shares[i], over)
+                        if i > 0 and x - i >= 0:
+                            _add(out[row, x - i], red, green, blue, even * shares[i], over)
     return sums
 
 

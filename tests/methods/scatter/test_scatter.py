@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods import scatter
 from refdof.methods.scatter import Params, blur, texture_reads
-from refdof.methods.scatter.disc import covered, inner_count, outer_count
+from refdof.methods.scatter.disc import inner_count, outer_count
 from refdof.stages import StageRecorder
 from tests import flat_scene
 from tests.methods import naive_baselines
+from tests.methods.scatter.discs import covered
 
 pytestmark = pytest.mark.fast
 
