@@ -24,6 +24,7 @@ __all__ = [
     "as_bool",
     "as_choice",
     "as_color",
+    "as_depth",
     "as_float",
     "as_function",
     "as_image",
@@ -31,6 +32,7 @@ __all__ = [
     "as_instance",
     "as_instances",
     "as_integer",
+    "as_map",
     "as_number",
     "as_pair",
     "as_path",
@@ -111,6 +113,24 @@ def as_image(
         raise InputError(f"{name}: got shape {array.shape}; allowed is at least one pixel")
     low, high = (minimum, maximum) if finite else (None, None)
     return as_float(name, array, shape, dtype=dtype, finite=finite, minimum=low, maximum=high)
+
+
+def as_map(name: str, value: Any, shape: Sequence[int | None]) -> Float:
+    """Return an image of one number a pixel as `as_float` does: infinities are allowed, and it has a pixel at least."""
+    array = as_float(name, value, shape, finite=False)
+    if array.size == 0:
+        raise InputError(f"{name}: got shape {array.shape}; allowed is at least one pixel")
+    return array
+
+
+def as_depth(
+    value: Any, shape: Sequence[int | None], *, dtype: npt.DTypeLike | None = None, nan: bool = False
+) -> Float:
+    """Return the argument `depth` as `as_float` does: planar depths above 0, which may be infinite."""
+    depth = as_float("depth", value, shape, dtype=dtype, finite=False, nan=nan)
+    if (depth <= 0).any():
+        raise InputError(f"depth: smallest value is {np.nanmin(depth):g}; allowed are values > 0")
+    return depth
 
 
 def as_index(name: str, value: Any, shape: Sequence[int | None], *, end: int) -> Index:

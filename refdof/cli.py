@@ -10,7 +10,6 @@ import sys
 import textwrap
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,21 +17,36 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from refdof._check import InputError, as_integer, as_pair
-from refdof._jit import use_threads
+from refdof._check import InputError
 from refdof.compare import compare as compare_scene
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
 from refdof.methods import METHODS
 from refdof.methods._contract import facts_of
-from refdof.optics.camera import Camera
-from refdof.optics.lens import ThinLens
+from refdof.options import (
+    PRESET_HELP,
+    AsJson,
+    Focus,
+    MethodSettings,
+    Most,
+    Preset,
+    Radius,
+    Samples,
+    Seed,
+    Settings,
+    Size,
+    Threads,
+    Tolerance,
+    listed,
+    scene_camera_lens,
+    set_threads,
+    setting,
+    settings_by_method,
+)
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES, shot_of
-from refdof.scene.load import load_scene
-from refdof.scene.scene import Scene
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
@@ -53,35 +67,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-Size = Annotated[
-    str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
-]
-Radius = Annotated[
-    float | None, typer.Option("--lens-radius", help="Lens radius in scene units. Default: the scene's own.")
-]
-Focus = Annotated[
-    float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf. Default: the scene's own.")
-]
-Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
-Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
-Tolerance = Annotated[
-    float | None,
-    typer.Option(
-        "--tolerance",
-        help="Sample each pixel until its standard error, in linear values, is below this; replaces --samples.",
-    ),
-]
-Most = Annotated[int, typer.Option("--max-samples", help="With --tolerance: stop a pixel after this many samples.")]
-Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-_PRESETS = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
-Preset = Annotated[str, typer.Option("--preset", metavar="best|paper", help=_PRESETS)]
-Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter; repeatable.")]
-MethodSettings = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
-]
 
 
 @app.command()
@@ -136,14 +121,14 @@ def render(
     as_json: AsJson = False,
 ) -> None:
     """Render a scene with one method."""
-    _use_threads(threads)
+    set_threads(threads)
     if output.suffix not in SUFFIXES:
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     check_folder(output.parent, "output")
-    params = dict(_setting(text) for text in settings or [])
+    params = dict(setting(text) for text in settings or [])
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params, preset)
-    loaded, camera, lens = _scene_camera_lens(scene, size, lens_radius, focus)
+    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
     result = render_view(method, View(loaded, camera, lens), preset=preset, **params)
     save_image(output, result.image)
     facts = {
@@ -167,7 +152,7 @@ def compare(
         typer.Option("--out", metavar="DIR", help="Output folder for table, images and report; made if it is missing."),
     ] = Path("out"),
     settings: MethodSettings = None,
-    preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=_PRESETS)] = "best",
+    preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=PRESET_HELP)] = "best",
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
@@ -179,15 +164,15 @@ def compare(
     as_json: AsJson = False,
 ) -> None:
     """Compare methods with a reference: writes a table, images and a report, and prints the table."""
-    _use_threads(threads)
+    set_threads(threads)
     check_folder(out)
-    names = _listed(methods) if methods is not None else list(METHODS)
-    presets = _listed(preset)
-    params = _settings_by_method(settings or [], names, presets)
+    names = listed(methods) if methods is not None else list(METHODS)
+    presets = listed(preset)
+    params = settings_by_method(settings or [], names, presets)
     comparisons = []
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
-            scene, camera, lens = _scene_camera_lens(name, size, lens_radius, focus)
+            scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)
@@ -224,72 +209,6 @@ def main() -> None:
 def _fail(message: str, status: int) -> None:
     print("refdof: " + " ".join(message.split()), file=sys.stderr)
     sys.exit(status)
-
-
-def _scene_camera_lens(
-    name: str, size: str | None, lens_radius: float | None, focus: float | None
-) -> tuple[Scene, Camera, ThinLens]:
-    """Load a scene and put the options over its suggested shot."""
-    pixels = None if size is None else _size(size)
-    scene = load_scene(name)
-    camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
-    lens = scene.lens
-    try:
-        lens = replace(
-            lens,
-            radius=lens.radius if lens_radius is None else lens_radius,
-            focus_distance=lens.focus_distance if focus is None else focus,
-        )
-    except InputError as error:  # by the names of the options
-        names = str(error).replace("radius:", "lens-radius:", 1).replace("focus_distance:", "focus:", 1)
-        raise InputError(names) from None
-    return scene, camera, lens
-
-
-def _listed(text: str) -> list[str]:
-    """Words between commas."""
-    return [word.strip() for word in text.split(",")]
-
-
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit()):
-        raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")
-    return as_pair("size", (width, height), minimum=1, maximum=32768)
-
-
-def _use_threads(threads: int | None) -> None:
-    if threads is not None:
-        use_threads(as_integer("threads", threads, minimum=1))
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    """'key=value' as a name and a number, a truth value or a word."""
-    key, equals, value = text.partition("=")
-    if not equals or not key:
-        raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
-    for parse in (int, float, {"true": True, "false": False, "None": None}.__getitem__):
-        try:
-            return key, parse(value)
-        except (ValueError, KeyError):
-            continue
-    return key, value
-
-
-def _settings_by_method(texts: list[str], methods: list[str], presets: list[str]) -> dict[str, dict[str, Any]]:
-    """'method.key=value' lines as {method: {key: value}}."""
-    params: dict[str, dict[str, Any]] = {name: {} for name in methods}
-    for text in texts:
-        key, value = _setting(text)
-        method, dot, field = key.partition(".")
-        if not dot or method not in params:
-            known = f", METHOD one of {', '.join(methods)}"
-            raise InputError(f"set: got {text!r}; allowed is METHOD.KEY=VALUE{known}")
-        params[method][field] = value
-    for method, values in params.items():
-        for preset in presets:
-            make_params(method, values, preset)
-    return params
 
 
 @contextmanager

@@ -382,7 +382,7 @@ INNER_MODULES = {
     "cli", "comparison", "report", "stages",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
-    "image.atomic",
+    "image.atomic", "options", "warm",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
@@ -400,8 +400,6 @@ INNER_MODULES = {
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
-    "refdof.warm.job_of",
-    "refdof.warm.warm",
     "refdof.scene.material.as_colors",
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",

@@ -195,6 +195,22 @@ def test_images_are_linear_light():
             _check.as_image("x", np.float32([[[0.0, value, 0.0]]]))
 
 
+def test_depths_are_above_0_and_maps_have_a_pixel():
+    depth = np.array([[0.5, np.inf]], dtype=np.float32)
+    assert _check.as_depth(depth, (None, 2)) is depth
+    assert np.isnan(_check.as_depth([1.0, np.nan], (2,), nan=True)[1])
+    for value in (0.0, -0.0, -2.5, -np.inf):
+        words = f"^depth: smallest value is {value:g}; allowed are values > 0"
+        for nan in (False, True):
+            with pytest.raises(InputError, match=words):
+                _check.as_depth([1.0, value] + [np.nan] * nan, (None,), nan=nan)
+    with pytest.raises(InputError, match="^depth: "):
+        _check.as_depth([1.0, np.nan], (2,))
+    assert _check.as_map("x", [[-1.0, np.inf]], (None, None)).tolist() == [[-1.0, np.inf]]
+    with pytest.raises(InputError, match=r"^x: got shape \(0, 3\); allowed is at least one pixel"):
+        _check.as_map("x", np.zeros((0, 3)), (None, None))
+
+
 def test_paths_functions_and_lists_are_not_guessed():
     assert _check.as_path("out", "a.png").name == "a.png"
     for value in (3, None, b"a.png", "", "a\0.png", ["a.png"]):

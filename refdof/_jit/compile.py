@@ -200,6 +200,7 @@ class _Callback:
         """Where the machine code is, as long as this object lives."""
         with self._lock:
             if self._compiled is None:
+                _Counter.count += 1
                 signature = types.void(types.CPointer(types.intp))
                 self._compiled = numba.cfunc(signature, cache=True, error_model="numpy")(self._function)
             return int(self._compiled.address)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, as_image
+from refdof._check import Float, as_depth, as_float, as_image
 
 __all__ = ["as_images", "depth_in_range", "within"]
 
@@ -20,9 +20,7 @@ def as_images(color: Float, depth: Float, coc: Float) -> tuple[Float, Float, Flo
         or of 8 or 16 bits, or a depth is not above 0.
     """
     color = as_image("color", color)
-    depth = as_float("depth", depth, color.shape[:2], finite=False)
-    if not (depth > 0).all():
-        raise InputError(f"depth: smallest value is {depth.min():g}; allowed are values > 0")
+    depth = as_depth(depth, color.shape[:2])
     if color.dtype == np.float32 and depth.dtype == np.float64:
         depth = depth_in_range(depth)
     coc = as_float("coc", coc, color.shape[:2])

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, as_instance, as_number, shape_of
+from refdof._check import Float, InputError, as_depth, as_instance, as_number, shape_of
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 
@@ -96,9 +96,7 @@ class ThinLens:
             If a depth is NaN or not above 0.
         """
         as_instance("camera", camera, Camera)
-        array = as_float("depth", depth, shape_of("depth", depth), finite=False)
-        if array.size and not (array > 0).all():
-            raise InputError(f"depth: smallest value is {array.min():g}; allowed are values > 0")
+        array = as_depth(depth, shape_of("depth", depth))
         if self.radius == 0.0:
             return np.zeros_like(array)
         pixels, focus = camera.pixels_per_tangent, self.focus_distance

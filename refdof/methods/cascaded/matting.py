@@ -26,7 +26,7 @@ References
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float, shape_of
+from refdof._check import Float, InputError, as_choice, as_depth, as_float, shape_of
 from refdof._jit import borrow, inline, kernel, prange
 
 __all__ = ["ABSENT", "BOUNDARIES", "RAMPS", "layer_coordinate", "matte", "ramp_code"]
@@ -69,13 +69,11 @@ def layer_coordinate(depth: Float, bounds: Float, boundary: str = "extrapolate",
             f"bounds: got {bounds.tolist()}; allowed are two or more ascending depths; the last may be inf"
         )
     as_choice("boundary", boundary, BOUNDARIES)
-    depth = as_float("depth", depth, shape_of("depth", depth), dtype=np.float64, finite=False, nan=True)
+    depth = as_depth(depth, shape_of("depth", depth), dtype=np.float64, nan=True)
     if not isinstance(dtype, type) or dtype not in (np.float32, np.float64):
         raise InputError("dtype: allowed are float32 and float64")
     if depth.size == 0:
         return np.empty(depth.shape, dtype=dtype)
-    if (depth <= 0.0).any():
-        raise InputError(f"depth: smallest value is {np.nanmin(depth):g}; allowed are values > 0")
     rows = np.ascontiguousarray(depth).reshape(-1, depth.shape[-1] if depth.ndim else 1)
     out: Float = np.empty(rows.shape, dtype=dtype)
     _coordinates(rows, bounds, boundary == "hard", out)

@@ -58,7 +58,17 @@ from functools import partial
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_image, as_instance, as_integer, as_number
+from refdof._check import (
+    Float,
+    InputError,
+    as_bool,
+    as_choice,
+    as_depth,
+    as_image,
+    as_instance,
+    as_integer,
+    as_number,
+)
 from refdof.methods._contract import Method
 from refdof.methods.cascaded.blend import blend_over, blur_apart, cascade, layer_alone, normalized, source_of
 from refdof.methods.cascaded.fast_blurs import box_blur, pyramid_blur
@@ -199,14 +209,10 @@ def blur_buffers(
         as_instance(name, value, kind)
     recorder = StageRecorder() if recorder is None else as_instance("recorder", recorder, StageRecorder)
     color = as_image("color", color, (None, camera.height, camera.width, 3))
-    depth = as_float("depth", depth, color.shape[:3], dtype=np.float64, finite=False, nan=True)
-    absent = np.isnan(depth)
-    filled = np.where(absent, np.inf, depth)
-    if not (filled > 0.0).all():
-        raise InputError(f"depth: smallest value is {filled.min():g}; allowed are values > 0")
-    if absent.all():
+    depth = as_depth(depth, color.shape[:3], dtype=np.float64, nan=True)
+    if np.isnan(depth).all():
         raise InputError("depth: has no surface, all values are NaN; at least one must be a depth")
-    return _blend(color, np.where(absent, np.nan, filled), camera, lens, params, recorder)
+    return _blend(color, depth, camera, lens, params, recorder)
 
 
 def layering_of(depth: Float, camera: Camera, lens: ThinLens, params: Params = Params()) -> Layering:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_float, as_number
+from refdof._check import Float, InputError, as_map, as_number
 from refdof._jit import kernel, prange
 from refdof.raster.filters.downsample import (
     downsample_box,
@@ -154,9 +154,7 @@ def extreme_mipmaps(depth: Any) -> tuple[list[Float], list[Float]]:
     InputError
         If depth has another shape, no pixels or NaN.
     """
-    depth = as_float("depth", depth, (None, None), finite=False)
-    if depth.size == 0:
-        raise InputError(f"depth: got shape {depth.shape}; allowed are images of at least one pixel")
+    depth = as_map("depth", depth, (None, None))
     infinity, empty = depth.dtype.type(np.inf), np.isinf(depth)
     lowest, highest = [np.where(empty, infinity, depth)], [np.where(empty, -infinity, depth)]
     while max(lowest[-1].shape) > 1:

@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_bool, as_choice, as_float, as_index, as_integer, shape_of
+from refdof._check import Float, Index, InputError, as_bool, as_choice, as_index, as_integer, as_map, shape_of
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.raster.filters.n_buffer_levels import (
     bottom_highest,
@@ -106,9 +106,7 @@ def n_buffer(depth: Any, *, extremes: str = "both", largest: int | None = None, 
     -----
     Time and memory are O(H W L / block^2) for L levels and each side.
     """
-    depth = as_float("depth", depth, (None,) * (3 if len(shape_of("depth", depth)) == 3 else 2), finite=False)
-    if depth.size == 0:
-        raise InputError(f"depth: got shape {depth.shape}; allowed are images of at least one pixel")
+    depth = as_map("depth", depth, (None,) * (3 if len(shape_of("depth", depth)) == 3 else 2))
     as_choice("extremes", extremes, ("both", "min", "max"))
     block = as_integer("block", block, minimum=1, maximum=2**20)
     height, width = depth.shape[-2:]

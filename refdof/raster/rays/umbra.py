@@ -23,7 +23,7 @@ import math
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_float, as_instance, as_integer, as_number
+from refdof._check import Float, Index, InputError, as_depth, as_instance, as_integer, as_number
 from refdof._jit import inline, kernel, prange
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -69,9 +69,7 @@ def survivors(depth: Float, camera: Camera, lens: ThinLens, extent_px: int = 2) 
     InputError
         If a depth is NaN or not above 0, or layers are not ordered front to back.
     """
-    depth = as_float("depth", depth, (None, None, None), dtype=np.float64, finite=False)
-    if depth.size and not depth.min() > 0.0:
-        raise InputError(f"depth: smallest value is {depth.min():g}; allowed are values > 0")
+    depth = as_depth(depth, (None, None, None), dtype=np.float64)
     if (depth[1:] < depth[:-1]).any():
         raise InputError("depth: layers are not ordered; allowed is front to back along the first axis")
     kept, count = _keep(depth, umbra_step(camera, lens, extent_px))

@@ -1,0 +1,131 @@
+"""Options of the command line: their help, and what their words mean."""
+
+from dataclasses import replace
+from typing import Annotated, Any
+
+import typer
+
+from refdof._check import InputError, as_integer, as_pair
+from refdof._jit import use_threads
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
+from refdof.rendering import make_params
+from refdof.scene.load import load_scene
+from refdof.scene.scene import Scene
+
+__all__ = [
+    "PRESET_HELP",
+    "AsJson",
+    "Focus",
+    "MethodSettings",
+    "Most",
+    "Preset",
+    "Radius",
+    "Samples",
+    "Seed",
+    "Settings",
+    "Size",
+    "Threads",
+    "Tolerance",
+    "listed",
+    "scene_camera_lens",
+    "set_threads",
+    "setting",
+    "settings_by_method",
+]
+
+Size = Annotated[
+    str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
+]
+Radius = Annotated[
+    float | None, typer.Option("--lens-radius", help="Lens radius in scene units. Default: the scene's own.")
+]
+Focus = Annotated[
+    float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf. Default: the scene's own.")
+]
+Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
+Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(
+        "--tolerance",
+        help="Sample each pixel until its standard error, in linear values, is below this; replaces --samples.",
+    ),
+]
+Most = Annotated[int, typer.Option("--max-samples", help="With --tolerance: stop a pixel after this many samples.")]
+Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+PRESET_HELP = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
+Preset = Annotated[str, typer.Option("--preset", metavar="best|paper", help=PRESET_HELP)]
+Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter; repeatable.")]
+MethodSettings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
+]
+
+
+def scene_camera_lens(
+    name: str, size: str | None, lens_radius: float | None, focus: float | None
+) -> tuple[Scene, Camera, ThinLens]:
+    """Load a scene and put the options over its suggested shot."""
+    pixels = None if size is None else _size(size)
+    scene = load_scene(name)
+    camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
+    lens = scene.lens
+    try:
+        lens = replace(
+            lens,
+            radius=lens.radius if lens_radius is None else lens_radius,
+            focus_distance=lens.focus_distance if focus is None else focus,
+        )
+    except InputError as error:  # by the names of the options
+        names = str(error).replace("radius:", "lens-radius:", 1).replace("focus_distance:", "focus:", 1)
+        raise InputError(names) from None
+    return scene, camera, lens
+
+
+def listed(text: str) -> list[str]:
+    """Words between commas."""
+    return [word.strip() for word in text.split(",")]
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit()):
+        raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")
+    return as_pair("size", (width, height), minimum=1, maximum=32768)
+
+
+def set_threads(threads: int | None) -> None:
+    """Use so many threads; None: as many as there are."""
+    if threads is not None:
+        use_threads(as_integer("threads", threads, minimum=1))
+
+
+def setting(text: str) -> tuple[str, Any]:
+    """'key=value' as a name and a number, a truth value or a word."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
+    for parse in (int, float, {"true": True, "false": False, "None": None}.__getitem__):
+        try:
+            return key, parse(value)
+        except (ValueError, KeyError):
+            continue
+    return key, value
+
+
+def settings_by_method(texts: list[str], methods: list[str], presets: list[str]) -> dict[str, dict[str, Any]]:
+    """'method.key=value' lines as {method: {key: value}}."""
+    params: dict[str, dict[str, Any]] = {name: {} for name in methods}
+    for text in texts:
+        key, value = setting(text)
+        method, dot, field = key.partition(".")
+        if not dot or method not in params:
+            known = f", METHOD one of {', '.join(methods)}"
+            raise InputError(f"set: got {text!r}; allowed is METHOD.KEY=VALUE{known}")
+        params[method][field] = value
+    for method, values in params.items():
+        for preset in presets:
+            make_params(method, values, preset)
+    return params
