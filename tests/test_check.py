@@ -204,7 +204,7 @@ def test_depths_are_above_0_and_maps_have_a_pixel():
         for nan in (False, True):
             with pytest.raises(InputError, match=words):
                 _check.as_depth([1.0, value] + [np.nan] * nan, (None,), nan=nan)
-    with pytest.raises(InputError, match="^depth: "):
+    with pytest.raises(InputError, match=r"^depth: "):
         _check.as_depth([1.0, np.nan], (2,))
     assert _check.as_map("x", [[-1.0, np.inf]], (None, None)).tolist() == [[-1.0, np.inf]]
     with pytest.raises(InputError, match=r"^x: got shape \(0, 3\); allowed is at least one pixel"):
