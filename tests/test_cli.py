@@ -46,7 +46,7 @@ def test_compare_writes_everything(tmp_path):
 @pytest.mark.skipif(JIT_DISABLED, reason="about compiled code; the compiled pass runs it")
 def test_times_of_a_first_run_are_those_of_the_second(tmp_path):
     # Without a cache, and with one. These two were 170 and 19 times too slow in a first table. Other programs on the
-    # same processor can slow one run down, hardly three.
+    # same processor slow some times down, and which ones changes from run to run: the least of up to four counts.
     words = ["compare", "cans", "--methods", "mipmap,cascaded", "--samples", "16", "--size", "320x240"]
     command = [sys.executable, "-m", "refdof.cli", *words, "--out", "here"]
 
@@ -57,8 +57,12 @@ def test_times_of_a_first_run_are_those_of_the_second(tmp_path):
         assert [row["runs"] for row in rows] == [3, 3]
         return np.array([[row["prepare_s"], row["blur_s"]] for row in rows])
 
-    pairs = ((table(cache), table(cache)) for cache in ("one", "two", "three"))
-    assert any((first <= 1.5 * second + 0.005).all() for first, second in pairs)
+    first, second = table("one"), table("one")
+    for cache in ("two", "three", "four"):
+        if (first <= 1.5 * second + 0.005).all():
+            break
+        first, second = np.minimum(first, table(cache)), np.minimum(second, table(cache))
+    assert (first <= 1.5 * second + 0.005).all()
     marks = {path.name for path in (tmp_path / "one").glob("*/*.warm")}
     alone = thread_count() < 2  # then nothing is compiled ahead
     assert marks == (set() if alone else {"reference.warm", "mipmap-best.warm", "cascaded-best.warm"})
