@@ -26,7 +26,8 @@ from plain_scene import plain
 
 import refdof
 from refdof._jit import thread_count
-from refdof.truth.reference import PIXEL_FILTERS, estimate, reference_of_view
+from refdof.truth.reference import MAX_SAMPLES, PIXEL_FILTERS, estimate, reference_of_view
+from refdof.truth.tile_sampler import Spend
 
 SAMPLES = (16, 64, 256, 1024)
 TOLERANCES = (0.03, 0.01, 0.003)
@@ -126,9 +127,9 @@ def refdof_run(
 
     One replicate is the method `accumulation`: the best picture for the rays, without an error bar.
     """
-    estimate(view, 16, replicates, 1, None, pixel_filter, False, None)
+    estimate(view, replicates, 1, Spend(16, None, 16), pixel_filter)
     wall, cpu = time.perf_counter(), time.process_time()
-    result = estimate(view, samples, replicates, 1, tolerance, pixel_filter, False, None)
+    result = estimate(view, replicates, 1, Spend(samples, tolerance, MAX_SAMPLES), pixel_filter)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     return Run(result.image, float(result.samples.mean()), wall, cpu, tolerance)
 

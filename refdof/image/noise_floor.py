@@ -89,17 +89,19 @@ def noise_moments(sums, spent):
         groups, products of independent estimates of the change, so that both are unbiased.
     """
     size = sums.shape[0] // GROUPS
-    moments, groups, shown = np.zeros(2 * _LEVELS - 1), np.zeros(GROUPS), np.zeros((_LEVELS, GROUPS))
+    moments, groups, shown = np.zeros(2 * _LEVELS - 1), np.zeros((2, GROUPS)), np.zeros((_LEVELS, GROUPS))
     for p in range(sums.shape[1]):
         for c in range(3):
             same = True
             for g in range(GROUPS):
-                groups[g] = 0.0
+                groups[0, g] = 0.0
                 for r in range(g * size, (g + 1) * size):
-                    groups[g] += sums[r, p, c]
-                groups[g] /= size * spent[p]
-                same = same and groups[g] == groups[0]
+                    groups[0, g] += sums[r, p, c]
+                groups[0, g] /= size * spent[p]
+                same = same and groups[0, g] == groups[0, 0]
             if not same:
+                for g in range(GROUPS):
+                    groups[1, g] = encode_one(groups[0, g])
                 for order in range(_LEVELS):
                     _add_moments(groups, order, shown, moments)
     for k in range(len(moments)):
@@ -109,15 +111,19 @@ def noise_moments(sums, spent):
 
 @inline
 def _add_moments(groups, order, shown, moments):
-    """Add one value's moments, from halves of halves: the first half are the groups whose number has bit `order` 0."""
+    """Add one value's moments, from halves of halves: the first half are the groups whose number has bit `order` 0.
+
+    groups (2, 16): linear and display values.
+    """
     for g in range(GROUPS):
-        place = ((g >> order) | (g << (_LEVELS - order))) & (GROUPS - 1)
-        shown[0, place] = groups[g]
+        shown[0, _place(g, order)] = groups[0, g]
     # shown[j, k]: mean of 2^j groups, k = 0 .. 16 / 2^j - 1; then its display value.
     for j in range(1, _LEVELS):
         for k in range(GROUPS >> j):
             shown[j, k] = 0.5 * (shown[j - 1, 2 * k] + shown[j - 1, 2 * k + 1])
-    for j in range(_LEVELS):
+    for g in range(GROUPS):
+        shown[0, _place(g, order)] = groups[1, g]
+    for j in range(1, _LEVELS):
         for k in range(GROUPS >> j):
             shown[j, k] = encode_one(shown[j, k])
     for j in range(_LEVELS):
@@ -132,6 +138,12 @@ def _add_moments(groups, order, shown, moments):
         moments[j] += (squares - total * total / count) / (count - 1)
         if j > 0:
             moments[_LEVELS + j - 1] += (change * change - changes) / (count * (count - 1))
+
+
+@inline
+def _place(g, order):
+    """Where group g stands: its number's bits rotated by `order`."""
+    return ((g >> order) | (g << (_LEVELS - order))) & (GROUPS - 1)
 
 
 def floor_of_moments(moments: Float, values: int, replicates: int) -> float:
