@@ -11,7 +11,7 @@ P, SIZE, DEPTH = 64.0, 32, 2.0
 
 
 def slanted_strips(step, tilt):
-    """A wall through the focus, more or less tilted, of long thin triangles at 45 degrees: every edge runs through pixel centres.
+    """A wall through the focus, more or less tilted, of long thin triangles at 45 degrees.
 
     Strip k lies between the lines x + y = k step and (k + 1) step [px], which pass through pixel centres; it reaches
     far beyond the picture, and its diagonal passes through pixel centres, too.
