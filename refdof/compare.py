@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
-from refdof._jit import compilations
+from refdof._jit import compilations, run_tasks
 from refdof.comparison import Comparison, Row
 from refdof.methods import METHODS
 from refdof.metrics import scores
@@ -96,25 +96,30 @@ def compare(
     truth = reference_of_view(
         view, samples=samples, tolerance=tolerance, seed=seed, progress=step, max_samples=max_samples
     )
-    rows = []
+    results = []
     for k, (name, kind) in enumerate(chosen):
         tell(name, k, len(chosen))
         warm_up(name, values[name], kind)
-        result, times = _timed(name, view, kind, values[name])
-        rows.append(
-            Row(
-                name,
-                asdict(result.params),
-                result.image,
-                scores(truth.image, result.image),
-                result.seconds["prepare"],
-                statistics.median(times),
-                kind,
-                len(times),
-                max(times) - min(times) if len(times) > 1 else math.nan,
-            )
+        results.append(_timed(name, view, kind, values[name]))
+
+    def score(timed: tuple[Result, list[float]]) -> dict[str, float]:
+        return scores(truth.image, timed[0].image)
+
+    found = run_tasks(score, results, lambda done, count: tell("scores", done, count))
+    rows = [
+        Row(
+            name,
+            asdict(result.params),
+            result.image,
+            found[k],
+            result.seconds["prepare"],
+            statistics.median(times),
+            kind,
+            len(times),
+            max(times) - min(times) if len(times) > 1 else math.nan,
         )
-    tell("scores", len(chosen), len(chosen))
+        for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
+    ]
     return Comparison(
         scene.name,
         view.camera,

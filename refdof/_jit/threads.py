@@ -1,7 +1,8 @@
 """Threads: how many there are, and tasks that own what they write."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import Empty, SimpleQueue
 from typing import Any
 
 import numba
@@ -20,22 +21,32 @@ def use_threads(count: int) -> None:
 
 
 def run_tasks(
-    task: Callable[[Any], None], jobs: Sequence[Any], progress: Callable[[int, int], None] | None = None
-) -> None:
-    """Run `task` on every job, on as many threads as Numba may use; call progress(done, all) between.
+    task: Callable[[Any], Any], jobs: Sequence[Any], progress: Callable[[int, int], None] | None = None
+) -> list[Any]:
+    """Results of `task` on every job, on as many threads as Numba may use; call progress(done, all) between.
 
     Jobs own what they write, so order and thread count change nothing. Ctrl-C ends after the running jobs.
     """
-    total, done = len(jobs), 0
+    total = len(jobs)
+    finished: SimpleQueue[Future[Any]] = SimpleQueue()
     pool = ThreadPoolExecutor(thread_count())
     try:
-        waiting = {pool.submit(task, job) for job in jobs}
-        while waiting:
-            finished, waiting = wait(waiting, timeout=0.5, return_when=FIRST_COMPLETED)
-            for future in finished:
-                future.result()
-            done += len(finished)
+        futures = [pool.submit(task, job) for job in jobs]
+        for future in futures:
+            future.add_done_callback(finished.put)
+        for done in range(1, total + 1):
+            _next(finished).result()
             if progress is not None:
                 progress(done, total)
+        return [future.result() for future in futures]
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _next(finished: SimpleQueue[Future[Any]]) -> Future[Any]:
+    """Wait in pieces: where a wait has no end, some systems do not see Ctrl-C."""
+    while True:
+        try:
+            return finished.get(timeout=0.5)
+        except Empty:
+            continue

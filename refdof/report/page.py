@@ -15,6 +15,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from refdof._check import Float
+from refdof._jit import run_tasks
 from refdof.comparison import Comparison
 from refdof.image.file import png_bytes
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
@@ -47,7 +48,7 @@ def report_page(comparison: Comparison, command: str = "") -> str:
             "encoding": encoding,
             "names": [name for name, _ in images],
         },
-        payloads=[_float16(image) if encoding == "float16" else _png(image) for _, image in images],
+        payloads=run_tasks(_float16 if encoding == "float16" else _png, [image for _, image in images]),
     )
 
 

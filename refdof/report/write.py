@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import Float, InputError
+from refdof._jit import run_tasks
 from refdof.comparison import Comparison
 from refdof.image.atomic import write_text
 from refdof.image.file import save_image
@@ -47,11 +48,17 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
 
     target = Path(folder)
     images = _images(comparison)
-    for name, image in images:
+
+    def save(job: tuple[str, Float] | None) -> None:
+        if job is None:  # first, since it takes longest
+            write_overview(comparison, target / "overview.png")
+            return
+        name, image = job
         save_image(target / f"{name}.png", image)
         save_image(target / f"{name}.npy", image.astype("float32"))
+
+    run_tasks(save, [None, *images])
     _write_tables([comparison], target, rows_as_json(comparison, command))
-    write_overview(comparison, target / "overview.png")
     write_text(target / "report.html", report_page(comparison, command))
 
 

@@ -90,16 +90,15 @@ def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLE
     corners = sampler.corners()
     chosen = sorted({int(len(corners) * (k * _GOLDEN % 1.0)) for k in range(min(_TILES, len(corners)))})
     sampler.tile(corners[chosen[0]], refine=False)  # compiles
-    found: dict[int, TileEstimate] = {}
 
-    def pilot(k: int) -> None:
-        found[k] = sampler.tile(corners[k], refine=False)
+    def pilot(k: int) -> TileEstimate:
+        return sampler.tile(corners[k], refine=False)
 
     began = time.perf_counter()
-    run_tasks(pilot, chosen)
+    tiles = run_tasks(pilot, chosen)
     seconds = time.perf_counter() - began
-    spent = np.concatenate([found[k].spent for k in chosen])
-    over = np.concatenate([_spread(found[k], excess(found[k].found, tolerance)) for k in chosen])
+    spent = np.concatenate([tile.spent for tile in tiles])
+    over = np.concatenate([_spread(tile, excess(tile.found, tolerance)) for tile in tiles])
     most = np.minimum(over, _MOST_EXCESS)
     needed = np.maximum(spent, power_of_two(spent * np.maximum(most, 1.0) ** (1.0 / _RATE)))
     total = float(np.minimum(needed, sampler.most_points).mean()) * REPLICATES

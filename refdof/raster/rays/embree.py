@@ -51,8 +51,8 @@ _TRIANGLE, _VERTEX_BUFFER, _INDEX_BUFFER = 0, 1, 0
 _FLOAT3, _UINT3 = 0x9003, 0x5003
 _ROBUST = 4  # scene flag: no ray slips between triangles that share an edge
 _HIGH_QUALITY = 2
-# Spatial splits, so that boxes of long thin triangles, such as fences, overlap less. With the flag for robustness Embree
-# leaves them out, whatever the quality, unless the builder is named; the tests on boxes and triangles stay robust.
+# Spatial splits, so that boxes of long thin triangles, such as fences, overlap less. With the flag for robustness
+# Embree leaves them out, whatever the quality, unless the builder is named; boxes and triangles are robust still.
 # At most twice as many references as triangles: 1.2 times, Embree's default, leave half of the gain.
 _TREE = "tri_accel=bvh4.triangle4v,tri_builder=sah_fast_spatial,max_spatial_split_replications=2"
 _COHERENT, _INVOKE_FILTER = 1 << 16, 1 << 1  # query flags
