@@ -10,7 +10,7 @@ from refdof._jit.compile import (
     prange,
     tile_kernel,
 )
-from refdof._jit.memory import borrow, call_address, load_int32, store_int32
+from refdof._jit.memory import borrow, call_address, fetch_row, load_int32, store_int32
 from refdof._jit.threads import run_tasks, thread_count, use_threads
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "call_address",
     "callback",
     "compilations",
+    "fetch_row",
     "inline",
     "kernel",
     "load_int32",

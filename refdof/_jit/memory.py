@@ -11,7 +11,9 @@ from numba.extending import intrinsic
 
 from refdof._jit.compile import JIT_DISABLED
 
-__all__ = ["borrow", "call_address", "load_int32", "store_int32"]
+__all__ = ["borrow", "call_address", "fetch_row", "load_int32", "store_int32"]
+
+_CACHE_LINE = 64  # bytes
 
 
 @intrinsic
@@ -66,6 +68,22 @@ def _borrow(typingctx: Any, array: Any) -> Any:
     return signature, generate
 
 
+@intrinsic
+def _fetch(typingctx: Any, address: Any) -> Any:
+    """Ask for the cache line at `address`, an integer, without waiting for it."""
+    signature = types.void(types.intp)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        pointer, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+        function_type = ir.FunctionType(ir.VoidType(), [pointer, number, number, number])
+        function = cgutils.get_or_insert_function(builder.module, function_type, "llvm.prefetch.p0i8")
+        read, keep, data = (ir.Constant(number, value) for value in (0, 3, 1))
+        builder.call(function, [builder.inttoptr(arguments[0], pointer), read, keep, data])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
 def _call_interpreted(address: int, first: int, second: int, third: int, fourth: int) -> None:
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4)(address)(first, second, third, fourth)
 
@@ -74,8 +92,12 @@ def _identity(array: Any) -> Any:
     return array
 
 
+def _fetch_nothing(array: Any, row: int) -> None:
+    pass
+
+
 if JIT_DISABLED:
-    call_address, borrow = _call_interpreted, _identity
+    call_address, borrow, fetch_row = _call_interpreted, _identity, _fetch_nothing
 else:
 
     @numba.njit(cache=True)
@@ -91,3 +113,11 @@ else:
         they wait. The caller keeps the array alive.
         """
         return _borrow(array)
+
+    @numba.njit(cache=True)
+    def fetch_row(array, row):
+        """Fetch a row of a C-ordered array into the nearest cache, without waiting: for rows read a little later."""
+        first = array.ctypes.data + row * array.strides[0]
+        for line in range(0, array.strides[0], _CACHE_LINE):
+            _fetch(first + line)
+        _fetch(first + array.strides[0] - 1)

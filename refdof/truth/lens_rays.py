@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof._jit import borrow, call_address, inline, tile_kernel
+from refdof._jit import borrow, call_address, fetch_row, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
@@ -234,6 +234,11 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
 def _gather(surfaces, integers, rays, cells, totals):
     """Add what every ray sees to totals (strands, 3), cell after cell."""
     strands = len(totals)
+    for k in range((strands * cells + LANES - 1) // LANES):
+        for lane in range(LANES):
+            if integers[k, _GEOM, lane] != -1:
+                fetch_row(surfaces.corner, integers[k, _PRIM, lane])
+                fetch_row(surfaces.attribute, integers[k, _PRIM, lane])
     for s in range(strands):
         red, green, blue = totals[s, 0], totals[s, 1], totals[s, 2]
         for c in range(cells):
