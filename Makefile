@@ -36,6 +36,9 @@ readme: .venv/run  ## make the README's picture and table anew
 	cp out/readme/overview.png docs/overview.png
 	$(BIN)/python .ci/readme_table.py out/readme/table.md
 
+bench: .venv/peers  ## every benchmark beside its peers, one table and JSON files, into out/bench/
+	$(BIN)/python benchmarks/bench.py
+
 docs: .venv/docs  ## the documentation, into build/docs/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet --builder html docs build/docs
 	$(BIN)/python docs/check_offline.py build/docs
@@ -70,4 +73,4 @@ clean:  ## remove the virtual environment and what was built
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint docs wheel readme new-method new-scene clean peers
+.PHONY: help compare test fast bounds lint bench docs wheel readme new-method new-scene clean peers

@@ -120,7 +120,7 @@ def main():
         panel.legend(fontsize=8)
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     figure.canvas.draw()
-    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())  # type: ignore[attr-defined]
     picture.quantize(32).save(arguments.out, optimize=True)
     print(arguments.out)
 

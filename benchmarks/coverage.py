@@ -32,7 +32,7 @@ def card(left: float, right: float, circle: float) -> tuple[Scene, np.ndarray]:
     camera = Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=fov_y, size=(WIDTH, HEIGHT))
     x0, x1 = left * 2.0 / P, right * 2.0 / P
     corners = np.array([[x0, -99, -2], [x1, -99, -2], [x1, 99, -2], [x0, 99, -2]], dtype=float)
-    part = Part(corners, [[0, 1, 2], [0, 2, 3]], Material("unlit", base_color=(1.0, 1.0, 1.0)))
+    part = Part(corners, np.array([[0, 1, 2], [0, 2, 3]]), Material("unlit", base_color=(1.0, 1.0, 1.0)))
     scene = Scene.from_parts("card", [part], camera, ThinLens(circle / (P * 0.5), 1.0), (0.0, 0.0, 0.0))
     x = np.arange(WIDTH) + 0.5 - WIDTH / 2
     return scene, np.broadcast_to(half_disc((right - x) / circle) - half_disc((left - x) / circle), (HEIGHT, WIDTH))
@@ -48,7 +48,7 @@ def main() -> None:
         scene, truth = card(*places, words.circle)
         blurred = (truth > 0.0) & (truth < 1.0)
         for samples in (16, 64, 256, 1024):
-            total, variance, inside, within = 0.0, 0.0, [], []
+            total, variance, inside, within = np.zeros(()), np.zeros(()), [], []
             for seed in range(words.seeds):
                 result = refdof.reference(scene, samples=samples, seed=seed)
                 low, high, bar = (

@@ -22,7 +22,7 @@ from refdof.rendering import render_view
 
 SECONDS = 6.0  # 100 rays, 4 layers, 800 x 600, two cores
 PSNR, SSIM = 34.8, 0.97  # the paper's table 1: at least
-STUDIES = {
+STUDIES: dict[str, list[dict[str, object]]] = {
     "default": [{}],
     "n-buffers": [{"iterations": k} for k in (0, 1, 3)],
     "footprint": [{"footprint": name} for name in ("closed", "rays", "quarter")],
@@ -47,12 +47,12 @@ def main():
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers there")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="also plot error against layers and rays")
     words = parser.parse_args()
-    size = tuple(int(side) for side in words.size.split("x"))
+    width, height = (int(side) for side in words.size.split("x"))
     print(f"{words.size}, {os.cpu_count()} processors, {refdof._jit.thread_count()} threads")
     rows = []
     for name in words.scenes:
         scene = refdof.load_scene(name)
-        view = refdof.View(scene, scene.camera.with_size(size), scene.lens)
+        view = refdof.View(scene, scene.camera.with_size((width, height)), scene.lens)
         truth = refdof.reference(scene, view.camera, view.lens, samples=words.samples).image
         render_view("lensblur", view, deferred=True)  # compiles
         for study in words.studies.split(","):

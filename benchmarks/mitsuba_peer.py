@@ -221,16 +221,16 @@ def _register(mitsuba: Any) -> None:
         def _centred(self, position: Any) -> Any:
             return (drjit.floor(position * self.size) + 0.5) / self.size
 
-        def sample_ray(self, time, wavelength, position, aperture, active=True):  # type: ignore[no-untyped-def]
+        def sample_ray(self, time, wavelength, position, aperture, active=True):
             return self.lens.sample_ray(time, wavelength, self._centred(position), aperture, active)
 
-        def sample_ray_differential(self, time, wavelength, position, aperture, active=True):  # type: ignore[no-untyped-def]
+        def sample_ray_differential(self, time, wavelength, position, aperture, active=True):
             return self.lens.sample_ray_differential(time, wavelength, self._centred(position), aperture, active)
 
     class FirstHit(mitsuba.SamplingIntegrator):
         """The vertex colour of the first surface on a ray, or the background's: the least that a ray can do."""
 
-        def sample(self, scene, sampler, ray, medium=None, active=True):  # type: ignore[no-untyped-def]
+        def sample(self, scene, sampler, ray, medium=None, active=True):
             flags = mitsuba.RayFlags.Minimal | mitsuba.RayFlags.UV
             hit = scene.ray_intersect(ray, flags, True, active)
             met = hit.is_valid()

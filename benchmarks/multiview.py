@@ -43,9 +43,9 @@ def measure(view, rounds, tables):
     for kind, values in (("samples", SAMPLES), ("layers", LAYERS)):
         for value in values if kind in tables else ():
             for culling in (True, False):
-                words = {**TARGET, kind: value, "culling": culling}
-                blur, prepare = time_blur(view, rounds, **words)
-                rows.append({"over": kind, **words, "blur_s": blur, "prepare_s": prepare})
+                params = {**TARGET, kind: value, "culling": culling}
+                blur, prepare = time_blur(view, rounds, **params)
+                rows.append({"over": kind, **params, "blur_s": blur, "prepare_s": prepare})
     for words in (
         {"search": "march"},
         {"start": "middle"},

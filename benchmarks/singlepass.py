@@ -42,8 +42,9 @@ def picture(name, width, height):
 
 def time_ours(image, depth_filter):
     """Seconds of one call of `blur`, padding included."""
+    color, depth, coc = image
     start = time.perf_counter()
-    blur(*image, Params(depth_filter))
+    blur(color, depth, coc, Params(depth_filter))
     return time.perf_counter() - start
 
 
@@ -58,9 +59,10 @@ def time_shader(prepared):
 def measure(image, rounds):
     """Rows of the table: first calls apart, then medians of `rounds` alternating ones."""
     context = shader.open_context()
-    pixels, taps, rows = image[1].size, len(spiral()), []
+    color, depth, coc = image
+    pixels, taps, rows = depth.size, len(spiral()), []
     for depth_filter in FILTERS:
-        prepared = listing.upload(context, *image, depth_filter)
+        prepared = listing.upload(context, color, depth, coc, depth_filter)
         first = time_ours(image, depth_filter), time_shader(prepared)
         pairs = [(time_ours(image, depth_filter), time_shader(prepared)) for _ in range(rounds)]
         ours, theirs = (statistics.median(side) for side in zip(*pairs, strict=True))

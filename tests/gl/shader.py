@@ -58,8 +58,9 @@ def open_context() -> moderngl.Context:
         If there is no EGL, no context, or another renderer answers.
     """
     os.environ.update(_MESA)
+    backend: Any = "egl"  # moderngl's own types want a dictionary here
     try:
-        context = moderngl.create_context(standalone=True, backend="egl", require=330)
+        context = moderngl.create_context(standalone=True, backend=backend, require=330)
     except Exception as error:  # each layer below has its own kind
         raise GLMissing(f"no OpenGL context (needs Mesa's EGL and DRI drivers): {error}") from None
     if "llvmpipe" not in context.info["GL_RENDERER"]:
