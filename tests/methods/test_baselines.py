@@ -169,8 +169,8 @@ def test_pyramid_blur_has_the_width_of_its_levels():
     for levels in (1, 2, 3):
         found = []
         for place in range(64, 64 + 2**levels):
-            point = np.zeros((128, 128, 1))
-            point[64, place] = 1.0
+            point = np.zeros((128, 128, 4))
+            point[64, place] = 0.25
             row = blurred(point, levels).sum(axis=(0, 2))
             x = np.arange(128)
             found.append((row * x**2).sum() - (row * x).sum() ** 2 + ((row * x).sum() - place) ** 2)
@@ -178,7 +178,7 @@ def test_pyramid_blur_has_the_width_of_its_levels():
 
 
 def test_filling_keeps_what_is_known():
-    image = np.random.default_rng(9).random((11, 7, 2))
+    image = np.random.default_rng(9).random((11, 7, 4))
     known = np.random.default_rng(10).random((11, 7)) < 0.3
     full = filled(image, known)
     assert np.array_equal(full[known], image[known])
@@ -194,7 +194,12 @@ def test_pyramids_end_at_one_texel(size, count):
 
 def test_pyramidal_mattes_add_up_to_two():
     circles = np.linspace(-8.0, 8.0, 321)[None]
-    total = sum(pyramidal.method._matte(circles, *pyramidal.method._corners(i, 3, 3)) for i in range(-3, 4))
+    total = 0.0
+    for i in range(-3, 4):
+        layer = np.repeat(circles[..., None], 4, axis=-1)
+        pyramidal.method._matte(layer, *pyramidal.method._corners(i, 3, 3))
+        assert np.array_equal(layer[..., 0], circles * layer[..., 3])
+        total = total + layer[..., 3]
     # In the core of one, and on the ramps of its neighbours, which add up to 1; the outermost have one neighbour, and
     # so has sub-image 0 on either side: what is in focus (circle 0) is in no other.
     inside = np.abs(circles) <= 2.55  # half-way between 1.7 and 3.4 px

@@ -40,6 +40,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
+from refdof._jit import kernel, prange
 from refdof.methods._contract import LARGEST_RADIUS, Method
 from refdof.methods._image_validation import as_images, within
 from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
@@ -145,15 +146,13 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     known_all = np.concatenate([color, coc[..., None]], axis=-1)
     out = np.zeros((*coc.shape, 4), dtype=color.dtype)
     for i in range(back, -front - 1, -1):
-        start, full, end, last = _corners(i, front, back)
-        layer = filled(known_all, coc >= start)
-        opacity = _matte(layer[..., 3], start, full, end, last)
-        layer[..., :3] *= opacity[..., None]
-        layer[..., 3] = opacity
+        corners = _corners(i, front, back)
+        layer = filled(known_all, coc >= corners[0])
+        _matte(layer, *(scalar(corner) for corner in corners))
         layer = blurred(layer, abs(i))
         recorder.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
-        out = layer + (scalar(1) - layer[..., 3:]) * out
-    return np.where(out[..., 3:] > 0, out[..., :3] / np.where(out[..., 3:] > 0, out[..., 3:], scalar(1)), color)
+        _lay_over(layer, out)
+    return _without_opacity(out, color)
 
 
 def _side(largest: float, params: Params) -> int:
@@ -185,11 +184,44 @@ def _corners(i: int, front: int, back: int) -> tuple[float, float, float, float]
     return start, full, end, last
 
 
-def _matte(circles: Float, start: float, full: float, end: float, last: float) -> Float:
-    """Opacity: 0, a ramp, 1, a ramp, 0."""
-    opacity = np.ones_like(circles)
-    if math.isfinite(start):
-        opacity = np.minimum(opacity, np.clip((circles - start) / (full - start), 0.0, 1.0))
-    if math.isfinite(last):
-        opacity = np.minimum(opacity, np.clip((last - circles) / (last - end), 0.0, 1.0))
-    return opacity.astype(circles.dtype)
+@kernel
+def _matte(layer, start, full, end, last):
+    """Turn circles of confusion into opacity, 0, a ramp, 1, a ramp, 0, and multiply the colour by it, in place."""
+    zero, one = layer.dtype.type(0), layer.dtype.type(1)
+    rises, falls = np.isfinite(start), np.isfinite(last)
+    up, down = (full - start if rises else one), (last - end if falls else one)
+    for y in prange(len(layer)):
+        row = layer[y]
+        for x in range(len(row)):
+            circle, opacity = row[x, 3], one
+            if rises:
+                opacity = min(opacity, min(max((circle - start) / up, zero), one))
+            if falls:
+                opacity = min(opacity, min(max((last - circle) / down, zero), one))
+            for c in range(3):
+                row[x, c] *= opacity
+            row[x, 3] = opacity
+
+
+@kernel
+def _lay_over(layer, out):
+    """Lay (H, W, 4) over `out`, both with the colour multiplied by the opacity, in place."""
+    one = out.dtype.type(1)
+    for y in prange(len(out)):
+        front, row = layer[y], out[y]
+        for x in range(len(row)):
+            rest = one - front[x, 3]
+            for c in range(4):
+                row[x, c] = front[x, c] + rest * row[x, c]
+
+
+@kernel
+def _without_opacity(laid, color):
+    """Colour over opacity; `color` where there is none."""
+    out = np.empty_like(color)
+    for y in prange(len(laid)):
+        row, kept, shown = laid[y], color[y], out[y]
+        for x in range(len(row)):
+            for c in range(3):
+                shown[x, c] = row[x, c] / row[x, 3] if row[x, 3] > 0 else kept[x, c]
+    return out

@@ -20,6 +20,8 @@ __all__ = ["blurred", "filled", "level_count"]
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
+_CHANNELS = 4  # colour, and a circle of confusion or an opacity
+
 
 def level_count(width: int, height: int) -> int:
     """Halvings until one texel is left."""
@@ -27,34 +29,35 @@ def level_count(width: int, height: int) -> int:
 
 
 def blurred(image: Float, levels: int) -> Float:
-    """Downsample `levels` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, C)."""
+    """Downsample `levels` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, 4)."""
     shapes = []
     for _ in range(levels):
         shapes.append(image.shape)
-        coarse = np.empty((*_half(image), image.shape[2]), dtype=image.dtype)
-        _mean_of_16(image, coarse)
+        coarse = np.empty((*_half(image), _CHANNELS), dtype=image.dtype)
+        _mean_of_16(_flat(image), _flat(coarse))
         image = coarse
     for shape in reversed(shapes):
         fine = np.empty(shape, dtype=image.dtype)
-        _double(image, fine)
+        _double(_flat(image), _flat(fine))
         image = fine
     return image
 
 
 def filled(image: Float, known: Mask) -> Float:
-    """Give pixels that are not `known` (H, W) bool a blend of those that are, from ever coarser levels: (H, W, C).
+    """Give pixels that are not `known` (H, W) bool a blend of those that are, from ever coarser levels: (H, W, 4).
 
     Where nothing is known, everything is 0.
     """
-    images, masks = [np.where(known[..., None], image, image.dtype.type(0))], [known]
+    images, masks = [np.empty_like(image)], [known]
+    _keep(_flat(image), known, _flat(images[0]))
     while max(images[-1].shape[:2]) > 1:
         shape = _half(images[-1])
-        coarse, mask = np.empty((*shape, image.shape[2]), dtype=image.dtype), np.empty(shape, dtype=np.bool_)
-        _mean_of_known(images[-1], masks[-1], coarse, mask)
+        coarse, mask = np.empty((*shape, _CHANNELS), dtype=image.dtype), np.empty(shape, dtype=np.bool_)
+        _mean_of_known(_flat(images[-1]), masks[-1], _flat(coarse), mask)
         images.append(coarse)
         masks.append(mask)
     for k in range(len(images) - 2, -1, -1):
-        _fill(images[k + 1], masks[k], images[k])
+        _fill(_flat(images[k + 1]), masks[k], _flat(images[k]))
     return images[0]
 
 
@@ -62,85 +65,117 @@ def _half(image: Float) -> tuple[int, int]:
     return (image.shape[0] + 1) // 2, (image.shape[1] + 1) // 2
 
 
+def _flat(image: Float) -> Float:
+    """The same memory, a texel's channels side by side in its row: (H, W C). Fixed steps let loops vectorise."""
+    return image.reshape(image.shape[0], -1)
+
+
+@kernel
+def _keep(image, known, kept):
+    """Copy texels that are known; 0 for others."""
+    for y in prange(len(image)):
+        source, valid, row = image[y], known[y], kept[y]
+        for x in range(len(valid)):
+            for c in range(_CHANNELS):
+                value = source[_CHANNELS * x + c]
+                row[_CHANNELS * x + c] = value if valid[x] else image.dtype.type(0)
+
+
 @kernel
 def _mean_of_16(fine, coarse):
     """4 x 4 texels around a coarse texel's centre."""
-    height, width, channels = fine.shape
-    for y in prange(coarse.shape[0]):
-        source = borrow(fine)
-        rows = np.empty((width, channels), dtype=fine.dtype)
-        rows[:] = fine.dtype.type(0)
-        for j in range(2 * y - 1, 2 * y + 3):
-            row = source[min(max(j, 0), height - 1)]
-            for x in range(width):
-                for c in range(channels):
-                    rows[x, c] += row[x, c]
-        for x in range(coarse.shape[1]):
-            for c in range(channels):
-                a, b = rows[max(2 * x - 1, 0), c], rows[min(2 * x, width - 1), c]
-                d, e = rows[min(2 * x + 1, width - 1), c], rows[min(2 * x + 2, width - 1), c]
-                coarse[y, x, c] = ((a + b) + (d + e)) / fine.dtype.type(16)
+    height, length = fine.shape
+    for y in prange(len(coarse)):
+        source, row, j = borrow(fine), coarse[y], 2 * y
+        a, b = source[max(j - 1, 0)], source[j]
+        d, e = source[min(j + 1, height - 1)], source[min(j + 2, height - 1)]
+        column = np.empty(length + 3 * _CHANNELS, dtype=fine.dtype)  # one texel more on the left, two on the right
+        for k in range(length):
+            column[_CHANNELS + k] = ((a[k] + b[k]) + d[k]) + e[k]
+        for c in range(_CHANNELS):
+            column[c] = column[_CHANNELS + c]
+            column[length + _CHANNELS + c] = column[length + 2 * _CHANNELS + c] = column[length + c]
+        for x in range(len(row) // _CHANNELS):
+            first = 2 * _CHANNELS * x
+            for c in range(_CHANNELS):
+                left = column[first + c] + column[first + _CHANNELS + c]
+                right = column[first + 2 * _CHANNELS + c] + column[first + 3 * _CHANNELS + c]
+                row[_CHANNELS * x + c] = (left + right) / fine.dtype.type(16)
 
 
 @kernel
 def _mean_of_known(fine, known, coarse, mask):
-    """2 x 2 texels, of those that are known."""
-    height, width, channels = fine.shape
-    for y in prange(coarse.shape[0]):
-        source, valid = borrow(fine), borrow(known)
-        total = np.empty(channels, dtype=fine.dtype)
-        for x in range(coarse.shape[1]):
-            count = 0
-            total[:] = fine.dtype.type(0)
-            for j in range(2 * y, min(2 * y + 2, height)):
-                for i in range(2 * x, min(2 * x + 2, width)):
-                    if valid[j, i]:
-                        count += 1
-                        for c in range(channels):
-                            total[c] += source[j, i, c]
+    """2 x 2 texels, of those that are known. Those that are not are 0."""
+    height, length = fine.shape
+    width = length // _CHANNELS
+    for y in prange(len(coarse)):
+        source, valid, row = borrow(fine), borrow(known), coarse[y]
+        two = 2 * y + 1 < height
+        top, low = source[2 * y], source[min(2 * y + 1, height - 1)]
+        top_valid, low_valid = valid[2 * y], valid[min(2 * y + 1, height - 1)]
+        for x in range(width // 2):
+            count = int(top_valid[2 * x]) + int(top_valid[2 * x + 1])
+            if two:
+                count += int(low_valid[2 * x]) + int(low_valid[2 * x + 1])
             mask[y, x] = count > 0
-            for c in range(channels):
-                coarse[y, x, c] = total[c] / fine.dtype.type(max(count, 1))
+            some, first = fine.dtype.type(max(count, 1)), 2 * _CHANNELS * x
+            for c in range(_CHANNELS):
+                total = top[first + c] + top[first + _CHANNELS + c]
+                if two:
+                    total = (total + low[first + c]) + low[first + _CHANNELS + c]
+                row[_CHANNELS * x + c] = total / some
+        if width % 2:
+            x = width - 1
+            count = int(top_valid[x]) + (int(low_valid[x]) if two else 0)
+            mask[y, x // 2] = count > 0
+            for c in range(_CHANNELS):
+                total = top[_CHANNELS * x + c] + (low[_CHANNELS * x + c] if two else fine.dtype.type(0))
+                row[_CHANNELS * (x // 2) + c] = total / fine.dtype.type(max(count, 1))
 
 
 @kernel
 def _double(coarse, fine):
-    """Fill fine (H, W, C)."""
-    for y in prange(fine.shape[0]):
+    """Fill fine."""
+    for y in prange(len(fine)):
         line, row = _between_rows(borrow(coarse), y), fine[y]
-        for x in range(len(row)):
-            near, other = 1 + x // 2, x // 2 + (2 if x % 2 else 0)
-            for c in range(row.shape[1]):
-                row[x, c] = _blend(line[near, c], line[other, c])
+        width = len(row) // _CHANNELS
+        for x in range(width // 2):
+            k, first = _CHANNELS * (x + 1), 2 * _CHANNELS * x
+            for c in range(_CHANNELS):
+                row[first + c] = _blend(line[k + c], line[k - _CHANNELS + c])
+                row[first + _CHANNELS + c] = _blend(line[k + c], line[k + _CHANNELS + c])
+        if width % 2:
+            k = _CHANNELS * (width // 2 + 1)
+            for c in range(_CHANNELS):
+                row[_CHANNELS * (width - 1) + c] = _blend(line[k + c], line[k - _CHANNELS + c])
 
 
 @kernel
 def _fill(coarse, known, fine):
-    """Fill texels of fine (H, W, C) that are not known."""
-    for y in prange(fine.shape[0]):
+    """Fill texels of fine that are not known."""
+    for y in prange(len(fine)):
         row, valid = fine[y], known[y]
         if valid.all():
             continue
         line = _between_rows(borrow(coarse), y)
-        for x in range(len(row)):
-            if not valid[x]:
-                near, other = 1 + x // 2, x // 2 + (2 if x % 2 else 0)
-                for c in range(row.shape[1]):
-                    row[x, c] = _blend(line[near, c], line[other, c])
+        for x in range(len(valid)):
+            near, other = _CHANNELS * (1 + x // 2), _CHANNELS * (x // 2 + (2 if x % 2 else 0))
+            for c in range(_CHANNELS):
+                value = _blend(line[near + c], line[other + c])
+                row[_CHANNELS * x + c] = row[_CHANNELS * x + c] if valid[x] else value
 
 
 @inline
 def _between_rows(coarse, y):
-    """The blend of the two coarse rows nearest to fine row y: (w + 2, C), with the edge repeated on both sides."""
-    height, width, channels = coarse.shape
+    """The blend of the two coarse rows nearest to fine row y, with a texel more at both ends that repeats the edge."""
+    height, length = coarse.shape
     j = y // 2
     near, other = coarse[j], coarse[min(max(j + (1 if y % 2 else -1), 0), height - 1)]
-    line = np.empty((width + 2, channels), dtype=coarse.dtype)
-    for x in range(width):
-        for c in range(channels):
-            line[x + 1, c] = _blend(near[x, c], other[x, c])
-    for c in range(channels):
-        line[0, c], line[width + 1, c] = line[1, c], line[width, c]
+    line = np.empty(length + 2 * _CHANNELS, dtype=coarse.dtype)
+    for k in range(length):
+        line[_CHANNELS + k] = _blend(near[k], other[k])
+    for c in range(_CHANNELS):
+        line[c], line[length + _CHANNELS + c] = line[_CHANNELS + c], line[length + c]
     return line
 
 
