@@ -98,6 +98,8 @@ def compare(
     )
     results = []
     for k, (name, kind) in enumerate(chosen):
+        if k and name != chosen[k - 1][0]:
+            view.forget_layers()
         tell(name, k, len(chosen))
         warm_up(name, values[name], kind)
         results.append(_timed(name, view, kind, values[name]))

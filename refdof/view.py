@@ -25,6 +25,8 @@ from refdof.scene.scene import Scene
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
+_SHARED = ("surfaces", "tracer", "triangles", "pinhole", "coc")  # by many methods; small beside layers
+
 
 class Pinhole(NamedTuple):
     """What a pinhole sees: color (H, W, 3) float32, linear RGB; depth (H, W) float64 [scene units], inf: background."""
@@ -162,6 +164,10 @@ class View:
     def coc_px(self) -> Float:
         """Signed circle of confusion of the pinhole's depth: (H, W) float64 [px]."""
         return self.product("coc", lambda: self.lens.coc_px(self.pinhole().depth, self.camera))
+
+    def forget_layers(self) -> None:
+        """Make room: forget all products but those that many methods share. Who asks for one again gets a new one."""
+        self._products = {name: made for name, made in self._products.items() if name in _SHARED}
 
     def product(self, name: str, build: Callable[[], Any]) -> Any:
         """The product `name`, made by `build` if it is not there yet. A method's own products are booked by this, too.

@@ -31,6 +31,17 @@ def test_a_product_is_made_once_and_booked_to_both():
     assert set(first.used) == {"surfaces", "tracer", "layers 1", "pinhole"}
 
 
+def test_layers_are_forgotten_and_shared_products_kept():
+    shared = view()
+    pinhole, layers, before = shared.pinhole(), shared.layers(2), render_view("singlepass", shared)
+    shared.forget_layers()
+    assert shared.pinhole() is pinhole
+    assert shared.layers(2) is not layers
+    assert all(np.array_equal(a, b) for a, b in zip(shared.layers(2), layers, strict=True))
+    after = render_view("singlepass", shared)  # the first layer is forgotten, the time that it took is not
+    assert after.seconds["prepare"] == before.seconds["prepare"]
+
+
 def test_a_product_that_compiled_something_is_timed_once_more(monkeypatch):
     # The first making of "slow" compiles and takes 50 ms; that of "quick" compiles nothing.
     compiled = [0]

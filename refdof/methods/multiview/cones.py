@@ -18,6 +18,7 @@ References
 """
 
 import math
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -60,23 +61,37 @@ def mip_chain(surface: Float, coc: Float, copied: Index, widest: float, reach: F
     close its holes [px].
     """
     most = 2 + math.ceil(math.log2(max(widest, 1.0)))
-    layers, closed, shapes = [], [], []
-    for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
-        uncopied = (filled & ~copy)[..., None]
-        image = np.concatenate([np.where(uncopied, values, 0), uncopied], axis=-1, dtype=np.float32)
-        levels = coverage_mipmaps(image, filled)[:most]
-        shapes = [(level.shape[1], level.shape[0]) for level in levels]
-        layers.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
-    for k in range(0 if reach is None else len(coc)):
-        levels = coverage_mipmaps(*_closed(surface, coc, k, float(reach[k])))[:most]  # type: ignore[index]
-        closed.append(np.concatenate([level.reshape(-1, level.shape[2]) for level in levels]))
-    first = np.cumsum([0, *(width * height for width, height in shapes)])[:-1]
-    table = np.array([(f, *shape) for f, shape in zip(first, shapes, strict=True)], dtype=np.int64).reshape(-1, 3)
+
+    def images() -> Iterator[list[Float]]:
+        for values, filled, copy in zip(surface, np.isfinite(coc), copied, strict=True):
+            uncopied = (filled & ~copy)[..., None]
+            image = np.concatenate([np.where(uncopied, values, 0), uncopied], axis=-1, dtype=np.float32)
+            yield coverage_mipmaps(image, filled)[:most]
+
+    def without_holes() -> Iterator[list[Float]]:
+        for k, far in enumerate([] if reach is None else reach):
+            yield coverage_mipmaps(*_closed(surface, coc, k, float(far)))[:most]
+
     channels = surface.shape[3]
-    texels = np.stack(layers) if layers else np.zeros((0, 0, channels + 2), dtype=np.float32)
-    return MipChain(
-        texels, table, np.stack(closed) if closed else np.zeros((len(coc), 0, channels + 1), dtype=np.float32)
-    )
+    texels, level = _packed(images(), len(coc), channels + 2)
+    return MipChain(texels, level, _packed(without_holes(), len(coc), channels + 1)[0])
+
+
+def _packed(chains: Iterable[list[Float]], count: int, channels: int) -> tuple[Float, Index]:
+    """Texels of `count` chains, one below the other, and first texel, width and height of each level.
+
+    Each chain is made, stored and dropped: they are most of the memory that the method needs.
+    """
+    texels, level = np.zeros((count, 0, channels), dtype=np.float32), np.zeros((0, 3), dtype=np.int64)
+    for k, levels in enumerate(chains):
+        if k == 0:
+            shapes = [(values.shape[1], values.shape[0]) for values in levels]
+            ends = np.cumsum([0, *(width * height for width, height in shapes)])
+            level = np.array([(first, *shape) for first, shape in zip(ends, shapes, strict=False)], dtype=np.int64)
+            texels = np.empty((count, ends[-1], channels), dtype=np.float32)
+        for (first, width, height), values in zip(level, levels, strict=True):
+            texels[k, first : first + width * height] = values.reshape(-1, channels)
+    return texels, level
 
 
 def _closed(surface: Float, coc: Float, k: int, reach: float) -> tuple[Float, Any]:

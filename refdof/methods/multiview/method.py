@@ -67,7 +67,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
-from refdof.methods.multiview.decomposition import Decomposition, copies, decompose
+from refdof.methods.multiview.decomposition import Decomposition, Sources, copies, decompose
 from refdof.methods.multiview.fields import Fields, Search, fields_of
 from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
 from refdof.optics.lens_samples import PATTERNS, lens_samples
@@ -254,10 +254,14 @@ def _skirt(widening: float, layers: Decomposition) -> Float:
 def _decomposition(view: View, params: Params, recorder: StageRecorder) -> Decomposition:
     """Step 1: layers of the view."""
     choice = _choice(view, params)
-    layers, sources = view.product(
-        f"multiview layers {choice}",
-        lambda: decompose(*view.triangles(), view.camera, view.lens, **choice, texel_bytes=_texel_bytes(params)),
-    )
+
+    def build() -> tuple[Decomposition, Sources | None]:
+        layers, sources = decompose(
+            *view.triangles(), view.camera, view.lens, **choice, texel_bytes=_texel_bytes(params)
+        )
+        return layers, sources if recorder.on else None  # as large as the layers, and not used again
+
+    layers, sources = view.product(f"multiview layers {choice}{' and sources' if recorder.on else ''}", build)
     recorder.record("bounds", lambda: layers.bounds)
     recorder.record("source_coc", lambda: sources.coc)
     recorder.record("source_triangle", lambda: sources.triangle)
