@@ -67,7 +67,7 @@ def reference(rows):
 
 def multiview(rows):
     for row in rows:
-        if row["over"] == "layers" and row.get("samples") == 32 and row.get("layers") == 16:
+        if row["over"] == "layers" and row["layers"] == 16 and row["culling"]:
             yield Line("multiview, 32 samples, 16 layers, town", row["blur_s"], "s", 0.5, "the goal", 1.0)
 
 
