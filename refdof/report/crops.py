@@ -8,6 +8,7 @@ Each is the window with the largest sum; the second does not overlap the first.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class Box:
     width: int
     height: int
 
-    def of(self, image: Float) -> Float:
+    def of(self, image: Any) -> Any:
         """The part of `image` inside the window."""
         return image[self.y : self.y + self.height, self.x : self.x + self.width]
 

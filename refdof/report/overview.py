@@ -10,8 +10,10 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -26,6 +28,8 @@ from refdof.report.crops import Box, choose_crops
 from refdof.report.table import texts
 
 __all__ = ["ERROR_SCALE", "write_overview"]
+
+Levels: TypeAlias = npt.NDArray[np.uint8]
 
 ERROR_SCALE = 4
 
@@ -68,9 +72,9 @@ class _Cell:
 
     title: str
     scores: str
-    image: Float
+    image: Levels
     error_label: str
-    error: Float
+    error: Levels
 
 
 def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None:
@@ -119,18 +123,20 @@ def _cells(comparison: Comparison) -> list[_Cell]:
     reference = display(comparison.reference)
     noise = display_slope(comparison.reference) * comparison.standard_error
     label = f"{ERROR_SCALE} {_TIMES} standard error"
-    shown = [_Cell("reference", _floor(comparison), reference, label, _scaled(noise))]
+    shown = [_Cell("reference", _floor(comparison), _levels(reference), label, _levels(ERROR_SCALE * noise))]
     for row in comparison.rows:
         score = texts(row)
         told = f"{score['psnr']} dB · {score['ssim']} · {score['flip']}"
         image = display(row.image)
-        error = _scaled(np.abs(image - reference))
-        shown.append(_Cell(row.name, told, image, f"{ERROR_SCALE} {_TIMES} |error|", error))
+        error = _levels(ERROR_SCALE * np.abs(image - reference))
+        shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |error|", error))
     return shown
 
 
-def _scaled(error: Float) -> Float:
-    return np.clip(ERROR_SCALE * error, 0.0, 1.0)
+def _levels(values: Float) -> Levels:
+    """Of 0 .. 1, cut to it, in 8 bits: the figure holds every picture at full size until it is drawn."""
+    levels: Levels = np.rint(255.0 * np.clip(values, 0.0, 1.0)).astype(np.uint8)
+    return levels
 
 
 def _floor(comparison: Comparison) -> str:
@@ -175,7 +181,7 @@ def _draw_cell(figure: Figure, layout: _Layout, cell: _Cell, crops: Sequence[Box
     _draw_picture(figure, cell.error, crops, (x, y + _LABEL_PX, width, height))
 
 
-def _draw_picture(figure: Figure, image: Float, crops: Sequence[Box], place: tuple[int, int, int, int]) -> None:
+def _draw_picture(figure: Figure, image: Levels, crops: Sequence[Box], place: tuple[int, int, int, int]) -> None:
     axes = _axes(figure, place)
     smaller = place[2] < image.shape[1] or place[3] < image.shape[0]
     axes.imshow(image, interpolation="hanning" if smaller else "nearest", aspect="auto")
