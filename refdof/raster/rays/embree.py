@@ -50,7 +50,6 @@ class Row:
 _TRIANGLE, _VERTEX_BUFFER, _INDEX_BUFFER = 0, 1, 0
 _FLOAT3, _UINT3 = 0x9003, 0x5003
 _ROBUST = 4  # scene flag: no ray slips between triangles that share an edge
-_HIGH_QUALITY = 2
 # Spatial splits, so that boxes of long thin triangles, such as fences, overlap less. With the flag for robustness
 # Embree leaves them out, whatever the quality, unless the builder is named; boxes and triangles are robust still.
 # At most twice as many references as triangles: 1.2 times, Embree's default, leave half of the gain.
@@ -68,7 +67,6 @@ _SIGNATURES = {
     "rtcNewScene": (_P, [_P]),
     "rtcReleaseScene": (None, [_P]),
     "rtcSetSceneFlags": (None, [_P, ctypes.c_int]),
-    "rtcSetSceneBuildQuality": (None, [_P, ctypes.c_int]),
     "rtcCommitScene": (None, [_P]),
     "rtcNewGeometry": (_P, [_P, ctypes.c_int]),
     "rtcReleaseGeometry": (None, [_P]),
@@ -122,7 +120,6 @@ def new_tracer(vertices: Float, faces: Index) -> Tracer:
         raise RuntimeError(f"Embree {version} has another ray layout; install embreex 4")
     scene = library.rtcNewScene(device)
     library.rtcSetSceneFlags(scene, _ROBUST)
-    library.rtcSetSceneBuildQuality(scene, _HIGH_QUALITY)
     if len(faces):
         geometry = library.rtcNewGeometry(device, _TRIANGLE)
         _fill(library, geometry, _VERTEX_BUFFER, _FLOAT3, np.ascontiguousarray(vertices, dtype=np.float32))
