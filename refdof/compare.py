@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
-from refdof._jit import compilations, run_tasks
+from refdof._jit import compilations
 from refdof.comparison import Comparison, Row
 from refdof.methods import METHODS
-from refdof.metrics import scores
+from refdof.metrics import scores_of_many
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -104,10 +104,8 @@ def compare(
         warm_up(name, values[name], kind)
         results.append(_timed(name, view, kind, values[name]))
 
-    def score(timed: tuple[Result, list[float]]) -> dict[str, float]:
-        return scores(truth.image, timed[0].image)
-
-    found = run_tasks(score, results, lambda done, count: tell("scores", done, count))
+    images = [result.image for result, _ in results]
+    found = scores_of_many(truth.image, images, lambda done, count: tell("scores", done, count))
     rows = [
         Row(
             name,
