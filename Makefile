@@ -5,6 +5,10 @@ BIN := .venv/bin
 # shared references are rendered once.
 PYTEST := NUMBA_NUM_THREADS=2 $(BIN)/python -m pytest -n auto --dist loadfile
 
+INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable
+# pip compiles one file after the other, the tests of packages too, which takes longer than all else that it does.
+BYTECODE := $(BIN)/python -m compileall -qq -j 0 -x '/tests?/' .venv/lib || true
+
 .DEFAULT_GOAL := help
 
 help:  ## list the tasks
@@ -56,19 +60,23 @@ clean:  ## remove the virtual environment and what was built
 	$(PYTHON) -m venv .venv
 
 .venv/run: .venv/bin/python pyproject.toml constraints.txt
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	$(INSTALL) .
+	$(BYTECODE)
 	touch $@
 
 .venv/test: .venv/run
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint]'
+	$(INSTALL) '.[test,lint]'
+	$(BYTECODE)
 	touch $@
 
 .venv/peers: .venv/test
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[peers]'
+	$(INSTALL) '.[peers]'
+	$(BYTECODE)
 	touch $@
 
 .venv/docs: .venv/run
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	$(INSTALL) '.[docs]'
+	$(BYTECODE)
 	touch $@
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with

@@ -19,6 +19,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from refdof._check import InputError
 from refdof.compare import compare as compare_scene
+from refdof.compare import warming_up
+from refdof.comparison import Comparison
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
 from refdof.methods import METHODS
@@ -50,7 +52,7 @@ from refdof.scene.builtin import SCENES, shot_of
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
-from refdof.warm import REFERENCE, job_of
+from refdof.warm import REFERENCE, is_warm, job_of
 from refdof.warm import warm as compile_jobs
 
 __all__ = ["app", "main"]
@@ -128,7 +130,8 @@ def render(
     params = dict(setting(text) for text in settings or [])
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params, preset)
-    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
+    with warming_up([(method, preset)] if scene in SCENES else []):
+        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
     result = render_view(method, View(loaded, camera, lens), preset=preset, **params)
     save_image(output, result.image)
     facts = {
@@ -169,10 +172,14 @@ def compare(
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
     params = settings_by_method(settings or [], names, presets)
-    comparisons = []
+    comparisons: list[Comparison] = []
+    soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
+    if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
+        soon = []  # compiled in parallel processes, by `compare_scene`
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
-            scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus)
+            with warming_up(soon if name in SCENES and not comparisons else []):
+                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)

@@ -2,17 +2,19 @@
 
 import math
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
+from threading import Thread
 from typing import Any
 
 import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
-from refdof._jit import compilations, run_tasks
+from refdof._jit import compilations
 from refdof.comparison import Comparison, Row
 from refdof.methods import METHODS
-from refdof.metrics import scores
+from refdof.metrics import scores_of_many
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -23,7 +25,7 @@ from refdof.truth.reference import MAX_SAMPLES, reference_of_view
 from refdof.view import View, view_of
 from refdof.warm import REFERENCE, job_of, warm
 
-__all__ = ["compare", "warm_up"]
+__all__ = ["compare", "warm_up", "warming_up"]
 
 _RUNS = 3  # of a method, whose median is told; one if it takes longer than
 _SHORT_S = 1.0
@@ -104,10 +106,8 @@ def compare(
         warm_up(name, values[name], kind)
         results.append(_timed(name, view, kind, values[name]))
 
-    def score(timed: tuple[Result, list[float]]) -> dict[str, float]:
-        return scores(truth.image, timed[0].image)
-
-    found = run_tasks(score, results, lambda done, count: tell("scores", done, count))
+    images = [result.image for result, _ in results]
+    found = scores_of_many(truth.image, images, lambda done, count: tell("scores", done, count))
     rows = [
         Row(
             name,
@@ -179,3 +179,24 @@ def warm_up(method: str, params: Mapping[str, Any], preset: str = "best") -> Non
     triangle = Part(np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]), np.array([[0, 1, 2]]))
     view = View(Scene.from_parts("warm-up", [triangle], camera, lens), camera, lens)
     render_view(method, view, preset=preset, **params)
+
+
+@contextmanager
+def warming_up(methods: Sequence[tuple[str, str]]) -> Iterator[None]:
+    """`warm_up` of methods and presets beside what the block does, which calls no kernel; ends when both have ended.
+
+    Functions are read from the cache, or compiled, while another core makes the scene. Parameters are the presets' own:
+    others may take long. What fails here fails again, in sight, where it is rendered.
+    """
+
+    def work() -> None:
+        with suppress(Exception):
+            for method, preset in methods:
+                warm_up(method, {}, preset)
+
+    thread = Thread(target=work)
+    thread.start()
+    try:
+        yield
+    finally:
+        thread.join()

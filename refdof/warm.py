@@ -20,7 +20,7 @@ from refdof.scene.load import load_scene
 from refdof.truth.reference import reference_of_view
 from refdof.view import View
 
-__all__ = ["REFERENCE", "job_of", "warm"]
+__all__ = ["REFERENCE", "is_warm", "job_of", "warm"]
 
 REFERENCE = "reference"
 _SCENE, _SIZE = "branches", (160, 120)  # large enough for the functions that pictures of more than 16384 px use
@@ -84,6 +84,12 @@ def warm(jobs: Sequence[str], progress: Callable[[str, int, int], None] | None =
     tell()
     with ThreadPoolExecutor(processes) as pool:
         list(pool.map(work, range(min(processes, len(todo)))))
+
+
+def is_warm(jobs: Sequence[str]) -> bool:
+    """True if all these jobs were done with these sources on this kind of processor."""
+    folder = cache_folder()
+    return folder is not None and all(_mark(folder, job).exists() for job in jobs)
 
 
 def _effort(job: str) -> tuple[int, str]:

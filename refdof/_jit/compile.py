@@ -17,6 +17,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -25,7 +26,7 @@ import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import types
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 from refdof._jit.lazy import HelperDispatcher, LazyCompiler, lazily
 
@@ -34,7 +35,6 @@ __all__ = ["JIT_DISABLED", "cache_folder", "callback", "compilations", "inline",
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
 _KEEP_DAYS = 30
 _HOW: dict[str, Any] = {
-    "cache": True,
     "error_model": "numpy",
     "no_cfunc_wrapper": True,
     "pipeline_class": LazyCompiler,
@@ -146,10 +146,19 @@ def compilations() -> int:
 
 
 class _LazyCache:
-    """A dispatcher's cache whose libraries are lazy."""
+    """A function's cache, made when it is asked for, whose libraries are lazy.
 
-    def __init__(self, cache: Any) -> None:
-        self._cache = cache
+    Numba's own is made with the function, and tries there and then whether its folder can be written.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    @cached_property
+    def _cache(self) -> Any:
+        cache = FunctionCache(self._function)
+        cache._cache_file = _KeyedFiles(self._function, cache)
+        return cache
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         _Counter.count += 1
@@ -163,8 +172,7 @@ class _LazyCache:
 def _keyed(compiled: Any) -> Any:
     """A dispatcher whose cache files are keyed; with compilation off, the function itself."""
     if not JIT_DISABLED:
-        compiled._cache._cache_file = _KeyedFiles(compiled.py_func, compiled._cache)
-        compiled._cache = _LazyCache(compiled._cache)
+        compiled._cache = _LazyCache(compiled.py_func)
     return compiled
 
 

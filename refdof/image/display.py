@@ -13,7 +13,7 @@ import numpy.typing as npt
 from refdof._check import Float, as_image
 from refdof._jit import inline
 
-__all__ = ["display", "display_slope", "encode", "encode_one", "linear_from_display", "to_8_bit"]
+__all__ = ["display", "display_slope", "encode", "encode_one", "levels", "linear_from_display", "to_8_bit"]
 
 # [1]: the straight piece near black, and the power curve above it.
 _KNEE = 0.0031308
@@ -56,7 +56,12 @@ def encode_one(light):
 
 def to_8_bit(linear: Any) -> npt.NDArray[np.uint8]:
     """Display image of `linear`, rounded to the nearest of 256 levels: (H, W, 3) uint8."""
-    return np.rint(display(linear) * np.float32(255.0)).astype(np.uint8)
+    return levels(display(linear))
+
+
+def levels(seen: Float) -> npt.NDArray[np.uint8]:
+    """A display image, float32 in [0, 1], rounded to the nearest of 256 levels."""
+    return np.rint(seen * np.float32(255.0)).astype(np.uint8)
 
 
 def linear_from_display(encoded: Any) -> Float:

@@ -4,6 +4,7 @@ The only file that imports imageio and OpenEXR.
 """
 
 import os
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,9 @@ from refdof._check import Float, InputError, as_image, as_path
 from refdof.image.atomic import atomic_path
 from refdof.image.display import linear_from_display, to_8_bit
 
-__all__ = ["SUFFIXES", "load_image", "png_bytes", "save_image"]
+__all__ = ["PNG_STRATEGY", "SUFFIXES", "load_image", "png_bytes", "save_image"]
 
+PNG_STRATEGY = zlib.Z_RLE  # a quarter of the time for files that are one to nine percent larger
 SUFFIXES = (".png", ".exr", ".npy")
 # What the decoders raise.
 _UNREADABLE = (OSError, ValueError, RuntimeError, EOFError, SyntaxError, TypeError, MemoryError)
@@ -59,7 +61,7 @@ def save_image(path: str | os.PathLike[str], linear: Any) -> None:
 
 def png_bytes(linear: Any) -> bytes:
     """The content of a PNG file with the display image of `linear` (H, W, 3)."""
-    return imageio.imwrite("<bytes>", to_8_bit(linear), extension=".png", plugin="pillow")
+    return imageio.imwrite("<bytes>", to_8_bit(linear), extension=".png", plugin="pillow", compress_type=PNG_STRATEGY)
 
 
 def load_image(path: str | os.PathLike[str]) -> Float:

@@ -4,12 +4,14 @@
 order. To add a metric, write its function and add one entry.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from refdof._jit import run_tasks, thread_count
 from refdof.image.noise_floor import noise_floor_psnr
-from refdof.metrics.perceptual import FLIP_PPD, flip
+from refdof.metrics._pair import Shown, shown
+from refdof.metrics.perceptual import FLIP_PPD, Asker, flip, flip_processes
 from refdof.metrics.pointwise import max_abs, psnr, psnr_8bit, rel_mse, rmse
 from refdof.metrics.structural import ssim
 
@@ -25,6 +27,7 @@ __all__ = [
     "rel_mse",
     "rmse",
     "scores",
+    "scores_of_many",
     "ssim",
 ]
 
@@ -70,6 +73,9 @@ METRICS: dict[str, Metric] = {
 }
 
 
+_FEW_VALUES = 500_000  # are scored faster than processes start
+
+
 def scores(reference: Any, image: Any) -> dict[str, float]:
     """Every score of `image` against `reference`, both (H, W, 3) linear RGB of at least 11 x 11 pixels.
 
@@ -83,4 +89,30 @@ def scores(reference: Any, image: Any) -> dict[str, float]:
     InputError
         If shapes differ, a value is not finite, or the image is smaller than SSIM's window.
     """
-    return {name: metric.function(reference, image) for name, metric in METRICS.items()}
+    first = shown("reference", reference)
+    second = shown("image", image, first.shape)
+    return {name: metric.function(first, second) for name, metric in METRICS.items()}
+
+
+def scores_of_many(
+    reference: Any, images: Sequence[Any], progress: Callable[[int, int], None] | None = None
+) -> list[dict[str, float]]:
+    """`scores` of every image; `progress(done, all)` is called between.
+
+    Pictures are scored beside each other, and FLIP, which takes most of the time, in processes of its own.
+    """
+    first = shown("reference", reference)
+    count = min(thread_count(), len(images))
+    if count < 2 or len(images) * first.size < _FEW_VALUES:
+        return run_tasks(lambda image: scores(first, image), images, progress)
+    with flip_processes(count) as ask:
+        return run_tasks(lambda image: _scores_beside(ask, first, image), images, progress)
+
+
+def _scores_beside(ask: Asker, first: Shown, image: Any) -> dict[str, float]:
+    """`scores`, while FLIP is worked out elsewhere."""
+    second = shown("image", image, first.shape)
+    answer = ask(first, second)
+    functions = {name: metric.function for name, metric in METRICS.items()}
+    found = {name: function(first, second) for name, function in functions.items() if function is not flip}
+    return {name: answer() if function is flip else found[name] for name, function in functions.items()}

@@ -1,9 +1,5 @@
 """FLIP: how visible a difference is when one flips between two display images.
 
-The only file that imports flip-evaluator. That library ends the interpreter on some inputs, takes NaN for
-black and misreads integers and a fourth channel. So only its LDR mode is used, with a fixed viewing
-distance, and only what `display_pair` makes gets in: finite float32 (H, W, 3) in C order and [0, 1].
-
 References
 ----------
 .. [1] Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom & Fairchild (2020), FLIP: A Difference
@@ -11,13 +7,22 @@ References
    3(2).
 """
 
-from typing import Any
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from queue import Empty, SimpleQueue
+from typing import Any, TypeAlias
 
+from refdof._check import Float
+from refdof.metrics import flip_worker
 from refdof.metrics._pair import display_pair
+from refdof.metrics.flip_worker import ANSWER, FLIP_PPD, SIZE, evaluate
 
-__all__ = ["FLIP_PPD", "flip"]
+__all__ = ["FLIP_PPD", "Asker", "flip", "flip_processes"]
 
-FLIP_PPD = 67.0206  # pixels per degree: [1]'s display, 0.7 m wide, 3840 px, seen from 0.7 m
+Asker: TypeAlias = Callable[[Any, Any], Callable[[], float]]
+_Worker: TypeAlias = subprocess.Popen[bytes]
 
 
 def flip(reference: Any, image: Any) -> float:
@@ -33,16 +38,66 @@ def flip(reference: Any, image: Any) -> float:
     InputError
         If shapes differ or a value is not finite.
     """
-    import flip_evaluator  # slow to import
+    return evaluate(*display_pair(reference, image))
 
-    first, second = display_pair(reference, image)
-    _, mean, _ = flip_evaluator.evaluate(
-        first,
-        second,
-        "LDR",
-        inputsRGB=True,
-        applyMagma=False,
-        computeMeanError=True,
-        parameters={"ppd": FLIP_PPD},
-    )
-    return float(mean)
+
+@contextmanager
+def flip_processes(count: int) -> Iterator[Asker]:
+    """Processes that work out `flip` beside this one, as long as the block lasts.
+
+    Yields
+    ------
+    ask : (reference, image) -> (() -> float)
+        Sends a pair to a process; the result waits for the number. Any thread may ask, `count` of them at once. What a
+        process does not answer is worked out here.
+    """
+    started = [worker for worker in (_start() for _ in range(count)) if worker is not None]
+    idle: SimpleQueue[_Worker] = SimpleQueue()
+    for worker in started:
+        idle.put(worker)
+
+    def ask(reference: Any, image: Any) -> Callable[[], float]:
+        pair = display_pair(reference, image)
+        with suppress(Empty):
+            worker = idle.get_nowait()
+            if _send(worker, pair):
+                return lambda: _answer(worker, pair, idle)
+        return lambda: evaluate(*pair)
+
+    try:
+        yield ask
+    finally:
+        for worker in started:
+            worker.kill()
+            with suppress(OSError), worker:  # closes the pipes, which may hold what was never read
+                pass
+
+
+def _start() -> _Worker | None:
+    """A process, which ends when this one does; None where there can be none."""
+    command = [sys.executable, "-P", str(flip_worker.__file__)]
+    pipe = subprocess.PIPE
+    with suppress(OSError, ValueError):
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
+    return None
+
+
+def _send(worker: _Worker, pair: tuple[Float, Float]) -> bool:
+    assert worker.stdin is not None
+    with suppress(OSError, ValueError):
+        worker.stdin.write(SIZE.pack(*pair[0].shape[:2]))
+        for image in pair:
+            worker.stdin.write(image.data)
+        worker.stdin.flush()
+        return True
+    return False
+
+
+def _answer(worker: _Worker, pair: tuple[Float, Float], idle: SimpleQueue[_Worker]) -> float:
+    """What the process says; if it has ended, the number is worked out here."""
+    assert worker.stdout is not None
+    told = worker.stdout.read(ANSWER.size)
+    if len(told) < ANSWER.size:
+        return evaluate(*pair)
+    idle.put(worker)
+    return float(ANSWER.unpack(told)[0])

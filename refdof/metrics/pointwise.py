@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float
-from refdof.image.display import to_8_bit
+from refdof.image.display import levels
 from refdof.metrics._pair import display_pair, linear, linear_pair
 
 __all__ = ["max_abs", "psnr", "psnr_8bit", "rel_mse", "rmse"]
@@ -75,8 +75,8 @@ def psnr(reference: Any, image: Any) -> float:
 
 def psnr_8bit(reference: Any, image: Any) -> float:
     """PSNR of the display images rounded to 8 bits [dB]: 10 log10(255^2 / MSE), inf if they are identical."""
-    first, second = linear_pair(reference, image)
-    return _decibel(255.0, to_8_bit(second).astype(np.float64) - to_8_bit(first))
+    first, second = (levels(seen) for seen in display_pair(reference, image))
+    return _decibel(255.0, second.astype(np.float64) - first)
 
 
 def _differences(reference: Any, image: Any, second_reference: Any) -> tuple[Float, Float]:

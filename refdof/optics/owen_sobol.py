@@ -17,10 +17,12 @@ References
 .. [2] Laine & Karras (2011), Stratified Sampling for Stochastic Transparency (the hash).
 .. [3] Burley (2020), Practical Hash-based Owen Scrambling, JCGT 9(4).
 .. [4] Steele, Lea & Flood (2014), Fast Splittable Pseudorandom Number Generators (SplitMix64), OOPSLA.
+.. [5] Joe & Kuo (2003), Remark on Algorithm 659: Implementing Sobol's Quasirandom Sequence Generator, TOMS 29(1).
+.. [6] Joe & Kuo (2008), Constructing Sobol Sequences with Better Two-Dimensional Projections, SISC 30(5).
 """
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,7 +32,8 @@ from refdof._jit import borrow, inline
 __all__ = ["MAX_LOG2", "Block", "axis_seed", "block_of", "borrow_block", "reverse_bits", "scramble", "scramble_state"]
 
 MAX_LOG2 = 20  # points per scramble: 2^20
-_DIMENSIONS = 4  # lens x, lens y, pixel x, pixel y
+# [6], new-joe-kuo-6: degree, inner coefficients and first numbers of lens x, lens y, pixel x, pixel y.
+_POLYNOMIALS = ((0, 0, ()), (1, 0, (1,)), (2, 1, (1, 3)), (3, 1, (1, 3, 1)))
 _STEP = np.uint64(0x9E3779B97F4A7C15)  # [4]: 2^64 over the golden ratio
 
 
@@ -52,14 +55,8 @@ class Block(NamedTuple):
 @lru_cache(maxsize=8)
 def block_of(first: int, log2_count: int) -> Block:
     """The block of 2^log2_count points that starts at `first`."""
-    from scipy.stats import qmc  # slow to import
-
     count = 1 << log2_count
-    engine = qmc.Sobol(_DIMENSIONS, scramble=False, bits=32)
-    if first:
-        engine.fast_forward(first)
-    points = (_next(engine, count) * 2.0**32).astype(np.uint32)
-    backwards = np.array([_reverse_numpy(points[:, k]) for k in range(_DIMENSIONS)])
+    backwards = _reverse_numpy(_sobol(first, count))
     column_bits = (log2_count + 1) // 2
     row_bits = log2_count - column_bits
     column = backwards[0] & np.uint32((1 << column_bits) - 1)
@@ -80,13 +77,26 @@ def _z_curve(column_bits: int, row_bits: int) -> Index:
     return cells
 
 
-def _next(engine: Any, count: int) -> np.ndarray:
-    """The next points; blocks are aligned powers of two, so SciPy's advice on balance is already followed."""
-    import warnings
+def _sobol(first: int, count: int) -> Index:
+    """Points first .. first + count - 1 of the sequence (4, count) uint32, in the order of a Gray code: [5], [6]."""
+    index = np.arange(first, first + count, dtype=np.uint32)
+    gray = index ^ (index >> np.uint32(1))
+    points = np.zeros((len(_POLYNOMIALS), count), dtype=np.uint32)
+    for axis, polynomial in enumerate(_POLYNOMIALS):
+        for bit, direction in enumerate(_directions(*polynomial)[: (first + count).bit_length()]):
+            points[axis] ^= ((gray >> np.uint32(bit)) & np.uint32(1)) * np.uint32(direction)
+    return points
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)
-        return engine.random(count)
+
+def _directions(degree: int, inner: int, start: tuple[int, ...]) -> list[int]:
+    """The 32 direction numbers of an axis: [5], Section 2; as 32-bit fractions."""
+    m = list(start)
+    for k in range(degree, 32):
+        number = m[k - degree] ^ (m[k - degree] << degree) if degree else 1
+        for j in range(1, degree):
+            number ^= ((inner >> (degree - 1 - j)) & 1) * (m[k - j] << j)
+        m.append(number)
+    return [number << (31 - k) for k, number in enumerate(m)]
 
 
 def _reverse_numpy(x: Index) -> Index:

@@ -16,7 +16,7 @@ from refdof._check import Float
 from refdof.comparison import Comparison
 from refdof.image.display import display
 
-__all__ = ["Box", "choose_crops"]
+__all__ = ["Box", "choose_crops", "crops_of", "squared_error"]
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,21 @@ class Box:
 
 def choose_crops(comparison: Comparison, width: int, height: int) -> tuple[Box, ...]:
     """Two windows of width x height pixels; one if there is no room for a second. Ties go to the top left."""
-    reference = display(comparison.reference).astype(np.float64)
+    reference = display(comparison.reference)
     error = np.zeros(reference.shape[:2])
     for row in comparison.rows:
-        error += ((display(row.image) - reference) ** 2).sum(axis=2)
-    blur = ((display(comparison.pinhole) - reference) ** 2).sum(axis=2)
+        error += squared_error(display(row.image), reference)
+    return crops_of(error, squared_error(display(comparison.pinhole), reference), width, height)
 
+
+def squared_error(image: Float, reference: Float) -> Float:
+    """Squared difference of two display images (H, W, 3), over all channels: (H, W) float64."""
+    error: Float = ((image - reference.astype(np.float64)) ** 2).sum(axis=2)
+    return error
+
+
+def crops_of(error: Float, blur: Float, width: int, height: int) -> tuple[Box, ...]:
+    """`choose_crops` of the methods' squared error and the pinhole image's, both (H, W)."""
     first = _best(_window_sums(error, width, height))
     if first is None:
         return ()

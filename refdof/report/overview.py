@@ -14,17 +14,18 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
+from PIL import Image
 
 from refdof._check import Float
 from refdof.comparison import Comparison
 from refdof.image.atomic import atomic_path
 from refdof.image.display import display, display_slope
-from refdof.report.crops import Box, choose_crops
+from refdof.image.file import PNG_STRATEGY
+from refdof.report.crops import Box, crops_of, squared_error
 from refdof.report.table import texts
 
 __all__ = ["ERROR_SCALE", "write_overview"]
@@ -80,22 +81,24 @@ class _Cell:
 def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None:
     """Draw the figure into the PNG file `path`: at most 1600 px wide, as high as the methods need."""
     layout = _layout(comparison)
-    crops = choose_crops(comparison, *layout.crop)
     width, height = layout.size
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     _header(figure, comparison, width)
 
-    reference, *methods = _cells(comparison)
+    canvas = np.full((height, width, 3), 255, dtype=np.uint8)
+    (reference, *methods), crops = _cells(comparison, layout)
     for band in range(layout.bands):
         first = band * (layout.columns - 1)
         shown = [reference, *methods[first : first + layout.columns - 1]]
         for column, cell in enumerate(shown):
             x = _MARGIN_PX + column * (layout.cell + _GAP_PX)
-            _draw_cell(figure, layout, cell, crops, x, _HEADER_PX + band * layout.band_height)
+            _draw_cell(figure, canvas, layout, cell, crops, x, _HEADER_PX + band * layout.band_height)
+    figure.figimage(canvas)
 
     with atomic_path(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=_DPI, metadata={"Software": None})
+        how = {"compress_type": PNG_STRATEGY}
+        figure.savefig(temporary, format="png", dpi=_DPI, metadata={"Software": None}, pil_kwargs=how)
 
 
 def _layout(comparison: Comparison) -> _Layout:
@@ -118,19 +121,21 @@ def _layout(comparison: Comparison) -> _Layout:
     return _Layout(columns, bands, cell, (picture_width, picture_height), (crop_width, crop_height), zoom)
 
 
-def _cells(comparison: Comparison) -> list[_Cell]:
-    """The reference's cell, then one for each method."""
+def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[Box, ...]]:
+    """The reference's cell, then one for each method; and the crops. Every picture is encoded once."""
     reference = display(comparison.reference)
     noise = display_slope(comparison.reference) * comparison.standard_error
     label = f"{ERROR_SCALE} {_TIMES} standard error"
     shown = [_Cell("reference", _floor(comparison), _levels(reference), label, _levels(ERROR_SCALE * noise))]
+    total = np.zeros(reference.shape[:2])
     for row in comparison.rows:
         score = texts(row)
         told = f"{score['psnr']} dB · {score['ssim']} · {score['flip']}"
         image = display(row.image)
+        total += squared_error(image, reference)
         error = _levels(ERROR_SCALE * np.abs(image - reference))
         shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |error|", error))
-    return shown
+    return shown, crops_of(total, squared_error(display(comparison.pinhole), reference), *layout.crop)
 
 
 def _levels(values: Float) -> Levels:
@@ -162,43 +167,58 @@ def _header(figure: Figure, comparison: Comparison, width: int) -> None:
         )
 
 
-def _draw_cell(figure: Figure, layout: _Layout, cell: _Cell, crops: Sequence[Box], x: int, y: int) -> None:
+def _draw_cell(
+    figure: Figure, canvas: Levels, layout: _Layout, cell: _Cell, crops: Sequence[Box], x: int, y: int
+) -> None:
+    """Pictures into `canvas`, frames and words into `figure`; the cell's top left pixel is (x, y)."""
     width, height = layout.picture
     _text(figure, x, y + 4, cell.title, 15, weight="bold")
     _text(figure, x, y + 24, cell.scores, 13)
     y += _TITLE_PX
-    _draw_picture(figure, cell.image, crops, (x, y, width, height))
+    _draw_picture(figure, canvas, cell.image, crops, (x, y, width, height))
     y += height + _CROP_GAP_PX
     for k, crop in enumerate(crops):
-        shown = (layout.zoom * crop.width, layout.zoom * crop.height)
-        left = x if k == 0 else x + width - shown[0]
-        axes = _axes(figure, (left, y, *shown))
-        axes.imshow(crop.of(cell.image), interpolation="nearest", aspect="auto")
-        for spine in axes.spines.values():
-            spine.set(visible=True, edgecolor=_CROP_COLORS[k], linewidth=2.0)
+        wide, high = layout.zoom * crop.width, layout.zoom * crop.height
+        left = x if k == 0 else x + width - wide
+        _draw_image(canvas, crop.of(cell.image), (left, y, wide, high))
+        _draw_frame(figure, (left, y, wide, high), _CROP_COLORS[k], 2.0)
     y += layout.zoom * layout.crop[1]
     _text(figure, x, y + 5, cell.error_label, 12, color=_PALE_INK)
-    _draw_picture(figure, cell.error, crops, (x, y + _LABEL_PX, width, height))
+    _draw_picture(figure, canvas, cell.error, crops, (x, y + _LABEL_PX, width, height))
 
 
-def _draw_picture(figure: Figure, image: Levels, crops: Sequence[Box], place: tuple[int, int, int, int]) -> None:
-    axes = _axes(figure, place)
-    smaller = place[2] < image.shape[1] or place[3] < image.shape[0]
-    axes.imshow(image, interpolation="hanning" if smaller else "nearest", aspect="auto")
-    for crop, color in zip(crops, _CROP_COLORS, strict=False):
-        corner = (crop.x - 0.5, crop.y - 0.5)
-        axes.add_patch(Rectangle(corner, crop.width, crop.height, fill=False, edgecolor=color, linewidth=1.4))
-
-
-def _axes(figure: Figure, place: tuple[int, int, int, int]) -> Axes:
-    """Bare axes at (left, top, width, height), all in whole pixels."""
-    full_width, full_height = figure.get_size_inches() * _DPI
+def _draw_picture(
+    figure: Figure, canvas: Levels, image: Levels, crops: Sequence[Box], place: tuple[int, int, int, int]
+) -> None:
+    _draw_image(canvas, image, place)
     x, y, width, height = place
-    bottom = full_height - y - height
-    axes = figure.add_axes((x / full_width, bottom / full_height, width / full_width, height / full_height))
-    axes.set(xticks=[], yticks=[])
-    axes.spines[:].set_visible(False)
-    return axes
+    across, down = width / image.shape[1], height / image.shape[0]
+    for crop, color in zip(crops, _CROP_COLORS, strict=False):
+        window = (x + crop.x * across, y + crop.y * down, crop.width * across, crop.height * down)
+        _draw_frame(figure, window, color, 1.4)
+
+
+def _draw_image(canvas: Levels, image: Levels, place: tuple[int, int, int, int]) -> None:
+    """An image at (left, top, width, height), smoothly made smaller, or with pixels repeated."""
+    x, y, width, height = place
+    smaller = width < image.shape[1] or height < image.shape[0]
+    how = Image.Resampling.HAMMING if smaller else Image.Resampling.NEAREST
+    shown = Image.fromarray(np.ascontiguousarray(image)).resize((width, height), how)
+    canvas[y : y + height, x : x + width] = np.asarray(shown)
+
+
+def _draw_frame(figure: Figure, place: tuple[float, float, float, float], color: str, line_width: float) -> None:
+    """A frame around (left, top, width, height) [px]."""
+    x, y, width, height = place
+    corner = (x, _full_size(figure)[1] - y - height)
+    figure.add_artist(
+        Rectangle(corner, width, height, transform=None, fill=False, edgecolor=color, linewidth=line_width)
+    )
+
+
+def _full_size(figure: Figure) -> tuple[int, int]:
+    width, height = figure.get_size_inches() * _DPI
+    return round(width), round(height)
 
 
 def _text(
@@ -213,7 +233,7 @@ def _text(
     align: str = "left",
 ) -> Text:
     """Text with its top left (or right) at pixel (x, y); `size` in pixels. A "$" is only a "$"."""
-    full_width, full_height = figure.get_size_inches() * _DPI
+    full_width, full_height = _full_size(figure)
     return figure.text(
         x / full_width,
         1.0 - y / full_height,

@@ -3,7 +3,8 @@
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,17 +50,19 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
     target = Path(folder)
     images = _images(comparison)
 
-    def save(job: tuple[str, Float] | None) -> None:
-        if job is None:  # first, since it takes longest
-            write_overview(comparison, target / "overview.png")
-            return
-        name, image = job
+    def save(name: str, image: Float) -> None:
         save_image(target / f"{name}.png", image)
         save_image(target / f"{name}.npy", image.astype("float32"))
 
-    run_tasks(save, [None, *images])
+    # Those that take longest come first.
+    jobs: list[Callable[[], Any]] = [
+        lambda: write_overview(comparison, target / "overview.png"),
+        lambda: report_page(comparison, command),
+        *(partial(save, *image) for image in images),
+    ]
+    _, page, *_ = run_tasks(lambda job: job(), jobs)
     _write_tables([comparison], target, rows_as_json(comparison, command))
-    write_text(target / "report.html", report_page(comparison, command))
+    write_text(target / "report.html", page)
 
 
 def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLike[str], command: str = "") -> None:

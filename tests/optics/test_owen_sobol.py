@@ -43,6 +43,18 @@ def test_every_scramble_of_every_block_is_a_net(log2_count, seed):
     assert is_net(np.concatenate(halves), log2_count + 1)  # doubling goes on with the same net
 
 
+@pytest.mark.filterwarnings("ignore:The balance properties:UserWarning")
+@pytest.mark.parametrize(("first", "log2_count"), [(0, 0), (0, 12), (96, 5), (7 << 10, 10), ((1 << 29) - 16, 4)])
+def test_points_are_those_of_scipy(first, log2_count):
+    engine = stats.qmc.Sobol(4, scramble=False, bits=32)
+    if first:
+        engine.fast_forward(first)
+    expected = (engine.random(1 << log2_count) * 2.0**32).astype(np.uint32)
+    words = [f"{x:032b}"[::-1] for x in expected.T.ravel()]
+    backwards = np.array([int(word, 2) for word in words], dtype=np.uint32).reshape(4, -1)
+    assert np.array_equal(block_of(first, log2_count).reversed_points, backwards)
+
+
 def test_the_test_can_tell_a_net():
     assert not is_net(np.random.default_rng(0).random((16, 2)), 4)
 

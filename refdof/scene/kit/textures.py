@@ -34,7 +34,18 @@ def paint(code: str) -> Float:
 
 def blend(low: Float, high: Float, amount: Float) -> Float:
     """From `low` to `high` (colours or images) by `amount` (h, w)."""
-    return low + amount[..., None] * (high - low)
+    out = np.empty((*amount.shape, 3))
+    for c in range(3):  # NumPy is slow on rows of three
+        out[..., c] = low[..., c] + amount * (high[..., c] - low[..., c])
+    return out
+
+
+def shaded(color: Float, factor: Float) -> Float:
+    """`color`, one (3,) or an image, times `factor` (h, w)."""
+    out = np.empty((*factor.shape, 3))
+    for c in range(3):
+        out[..., c] = color[..., c] * factor
+    return out
 
 
 def ramp(amount: Float, codes: Sequence[str]) -> Float:
@@ -42,7 +53,11 @@ def ramp(amount: Float, codes: Sequence[str]) -> Float:
     colors = np.stack([paint(c) for c in codes])
     x = np.clip(amount, 0.0, 1.0) * (len(codes) - 1)
     k = np.minimum(x.astype(np.int64), len(codes) - 2)
-    return colors[k] + (x - k)[..., None] * (colors[k + 1] - colors[k])
+    rest = x - k
+    out = np.empty((*x.shape, 3))
+    for c in range(3):
+        out[..., c] = np.take(colors[:, c], k) + rest * np.take(colors[1:, c] - colors[:-1, c], k)
+    return out
 
 
 def mottled(size: int, codes: Sequence[str], rng: np.random.Generator, cells: int = 4, octaves: int = 6) -> Float:
@@ -73,9 +88,9 @@ def bricks(
     rough = fractal((size, size), (8, 8), rng, 5, 0.7) - 0.5
     face = smooth(joint * 0.3, joint, edge + 0.5 * joint * rough)
     tone = rng.random((rows, columns))[row, column]
-    color = ramp(np.clip(tone + 0.4 * rough, 0, 1), codes)
-    color *= (0.84 + 0.16 * smooth(0.0, 0.35, edge))[..., None] * (1.0 + 0.35 * rough)[..., None]
-    ground = paint(mortar) * (1.0 + 0.6 * rough)[..., None]
+    shade = (0.84 + 0.16 * smooth(0.0, 0.35, edge)) * (1.0 + 0.35 * rough)
+    color = shaded(ramp(np.clip(tone + 0.4 * rough, 0, 1), codes), shade)
+    ground = shaded(paint(mortar), 1.0 + 0.6 * rough)
     return np.maximum(blend(ground, color, face), 0.0).astype(np.float32)
 
 
@@ -118,10 +133,9 @@ def cobbles(size: int, count: int, codes: Sequence[str], gap: str, rng: np.rando
             first = np.minimum(first, distance)
     edge = second - first
     rough = fractal((size, size), (8, 8), rng, 5, 0.65) - 0.5
-    color = ramp(mine + 0.3 * rough, codes) * (0.6 + 0.4 * smooth(0.0, 0.5, edge) + 0.3 * rough)[..., None]
-    return np.maximum(blend(paint(gap) * (1.0 + rough)[..., None], color, smooth(0.04, 0.14, edge)), 0.0).astype(
-        np.float32
-    )
+    color = shaded(ramp(mine + 0.3 * rough, codes), 0.6 + 0.4 * smooth(0.0, 0.5, edge) + 0.3 * rough)
+    ground = shaded(paint(gap), 1.0 + rough)
+    return np.maximum(blend(ground, color, smooth(0.04, 0.14, edge)), 0.0).astype(np.float32)
 
 
 def wood(size: int, codes: Sequence[str], rng: np.random.Generator, rings: float = 9.0) -> Float:
