@@ -7,9 +7,10 @@ this floor measures the reference, not the method.
 some of a lamp show none of it, with an error bar of none. A `refdof.Reference` therefore measures its floor by its R
 independent estimates, without any model of their distribution:
 
-1. Show means of 1, 2, 4 and 8 of 16 disjoint groups of estimates on the display curve           `noise_moments`
-2. Their variance, and how far their expected values move when n doubles (their bias)            `noise_moments`
-3. Both go on as they did before, up to the mean of all 16                                        `floor_of_moments`
+1. Show means of 1, 2, 4 and 8 of 16 disjoint groups of estimates on the display curve, or of
+   1 and 2 of 4, if there are fewer than 16                                                      `noise_moments`
+2. Their variance, and how far their expected values move when n doubles (their bias)           `noise_moments`
+3. Both go on as they did before, up to the mean of all                                         `floor_of_moments`
 """
 
 import math
@@ -21,10 +22,10 @@ from refdof._check import Float, as_image
 from refdof._jit import inline, tile_kernel
 from refdof.image.display import display_slope, encode_one
 
-__all__ = ["GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
+__all__ = ["LEAST_GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
 
-GROUPS = 16  # of estimates
-_LEVELS = 4  # 1, 2, 4, 8 groups
+LEAST_GROUPS = 4  # of estimates
+_MOST_LEVELS = 4  # means of 1, 2, 4, 8 groups of 16
 _LEAST_RATIO = 0.35  # of variances of twice as many groups: 0.5 for normal noise, less where white clips it
 
 
@@ -80,32 +81,34 @@ def noise_moments(sums, spent):
     Parameters
     ----------
     sums : (R, N, 3) float64
-        Over `spent` (N,) points per replicate, R >= 16. Replicates beyond a multiple of 16 are left out.
+        Over `spent` (N,) points per replicate, R >= 4. Replicates beyond a multiple of 16, or 4, are left out.
 
     Returns
     -------
-    (7,) float64
+    (2 L - 1,) float64, L = 4 of 16 groups or 2 of 4
         Variance of means of 1, 2, 4 and 8 groups; squared change of the expected value from 1 to 2, 2 to 4 and 4 to 8
-        groups, products of independent estimates of the change, so that both are unbiased.
+        groups, products of independent estimates of the change, so that both are unbiased; L and L - 1 of them.
     """
-    size = sums.shape[0] // GROUPS
-    moments, groups, shown = np.zeros(2 * _LEVELS - 1), np.zeros((2, GROUPS)), np.zeros((_LEVELS, GROUPS))
+    levels = _levels_of(sums.shape[0])
+    count = 1 << levels
+    size = sums.shape[0] // count
+    moments, groups, shown = np.zeros(2 * levels - 1), np.zeros((2, count)), np.zeros((levels, count))
     for p in range(sums.shape[1]):
         for c in range(3):
             same = True
-            for g in range(GROUPS):
+            for g in range(count):
                 groups[0, g] = 0.0
                 for r in range(g * size, (g + 1) * size):
                     groups[0, g] += sums[r, p, c]
                 groups[0, g] /= size * spent[p]
                 same = same and groups[0, g] == groups[0, 0]
             if not same:
-                for g in range(GROUPS):
+                for g in range(count):
                     groups[1, g] = encode_one(groups[0, g])
-                for order in range(_LEVELS):
+                for order in range(levels):
                     _add_moments(groups, order, shown, moments)
     for k in range(len(moments)):
-        moments[k] /= _LEVELS
+        moments[k] /= levels
     return moments
 
 
@@ -113,21 +116,22 @@ def noise_moments(sums, spent):
 def _add_moments(groups, order, shown, moments):
     """Add one value's moments, from halves of halves: the first half are the groups whose number has bit `order` 0.
 
-    groups (2, 16): linear and display values.
+    groups (2, G): linear and display values.
     """
-    for g in range(GROUPS):
-        shown[0, _place(g, order)] = groups[0, g]
-    # shown[j, k]: mean of 2^j groups, k = 0 .. 16 / 2^j - 1; then its display value.
-    for j in range(1, _LEVELS):
-        for k in range(GROUPS >> j):
+    levels, all_groups = shown.shape
+    for g in range(all_groups):
+        shown[0, _place(g, order, levels)] = groups[0, g]
+    # shown[j, k]: mean of 2^j groups, k = 0 .. G / 2^j - 1; then its display value.
+    for j in range(1, levels):
+        for k in range(all_groups >> j):
             shown[j, k] = 0.5 * (shown[j - 1, 2 * k] + shown[j - 1, 2 * k + 1])
-    for g in range(GROUPS):
-        shown[0, _place(g, order)] = groups[1, g]
-    for j in range(1, _LEVELS):
-        for k in range(GROUPS >> j):
+    for g in range(all_groups):
+        shown[0, _place(g, order, levels)] = groups[1, g]
+    for j in range(1, levels):
+        for k in range(all_groups >> j):
             shown[j, k] = encode_one(shown[j, k])
-    for j in range(_LEVELS):
-        count = GROUPS >> j
+    for j in range(levels):
+        count = all_groups >> j
         total, squares, change, changes = 0.0, 0.0, 0.0, 0.0
         for k in range(count):
             deviation = shown[j, k] - shown[j, 0]
@@ -137,13 +141,19 @@ def _add_moments(groups, order, shown, moments):
                 change, changes = change + step, changes + step * step
         moments[j] += (squares - total * total / count) / (count - 1)
         if j > 0:
-            moments[_LEVELS + j - 1] += (change * change - changes) / (count * (count - 1))
+            moments[levels + j - 1] += (change * change - changes) / (count * (count - 1))
 
 
 @inline
-def _place(g, order):
+def _levels_of(replicates):
+    """How many sizes of groups: 2^levels groups of replicates."""
+    return _MOST_LEVELS if replicates >> _MOST_LEVELS else 2
+
+
+@inline
+def _place(g, order, levels):
     """Where group g stands: its number's bits rotated by `order`."""
-    return ((g >> order) | (g << (_LEVELS - order))) & (GROUPS - 1)
+    return ((g >> order) | (g << (levels - order))) & ((1 << levels) - 1)
 
 
 def floor_of_moments(moments: Float, values: int, replicates: int) -> float:
@@ -151,15 +161,18 @@ def floor_of_moments(moments: Float, values: int, replicates: int) -> float:
 
     While most groups miss a lamp, neither variance nor bias falls with n; then both fall ever faster, until variance
     about halves as n doubles. So the ratio of neighbours goes on changing, half as much, and bias falls by half at
-    least. On the built-in scenes the floor is met within half a decibel from 64 samples on; where a single jump decides
-    the whole picture, one decibel was seen.
+    least. Of 4 groups there is one ratio only: the next is taken half-way to a half. On the built-in scenes the floor
+    is met within half a decibel: by 16 estimates from 64 samples on, by 4 from 256 on. Where a single jump decides the
+    whole picture, one decibel was seen.
     """
-    variance, change = moments[:_LEVELS], np.maximum(moments[_LEVELS:], 0.0)
+    levels = (len(moments) + 1) // 2
+    groups, variance, change = 1 << levels, moments[:levels], np.maximum(moments[levels:], 0.0)
     if not variance.all():
         return math.inf
-    before, last = variance[-2] / variance[-3], variance[-1] / variance[-2]
-    rest = variance[-1] * min(max(last * math.sqrt(last / before), _LEAST_RATIO), 1.0)
-    rest *= GROUPS * (replicates // GROUPS) / replicates
-    ratio = min(change[-1] / change[-2], 0.5) if change[-2] > 0.0 else 0.5
-    bias = change[-1] * ratio * ratio / (1.0 - ratio)  # without the step from 8 to 16 groups, which is made
+    last = variance[-1] / variance[-2]
+    onward = math.sqrt(last * variance[-3] / variance[-2]) if levels > 2 else math.sqrt(0.5 / last)
+    rest = variance[-1] * min(max(last * onward, _LEAST_RATIO), 1.0)
+    rest *= groups * (replicates // groups) / replicates
+    ratio = min(change[-1] / change[-2], 0.5) if levels > 2 and change[-2] > 0.0 else 0.5
+    bias = change[-1] * ratio * ratio / (1.0 - ratio)  # without the step up to all groups, which is made
     return 10.0 * math.log10(values / (rest + bias))

@@ -24,6 +24,7 @@ from refdof._jit import inline, tile_kernel
 __all__ = ["Estimate", "excess", "grid_of", "student_quantile", "summarise", "unfinished"]
 
 _REACH = 2  # px: how far the neighbours are that tell a pixel what it may have missed
+_NORMAL = 1.959964  # 97.5 % quantile of the normal distribution, of which Wilson's interval is made
 _AGREE = 1e-12  # standard errors below this are roundings of equal estimates
 
 
@@ -98,7 +99,7 @@ def _summarise(sums, spent, grid, quantile):
                     if not certain[q]:
                         unseen_low = min(unseen_low, least[q, c])
                         unseen_high = max(unseen_high, most[q, c])
-                share = _unseen_share(replicates, quantile)
+                share = _unseen_share(replicates)
                 low[p, c] -= share * (mean[p, c] - unseen_low)
                 high[p, c] += share * (unseen_high - mean[p, c])
             blurred = False
@@ -121,18 +122,18 @@ def _score_interval(mean, error, least, most, quantile):
     share, spread = (mean - least) / span if span > 0.0 else 0.0, error / span if span > 0.0 else 0.0
     if share > 0.0 and share < 1.0 and spread > 0.0:
         trials = share * (1.0 - share) / (spread * spread)  # of a coin with the same mean and spread
-        pull = quantile * quantile / trials
+        pull = _NORMAL * _NORMAL / trials
         middle = (share + 0.5 * pull) / (1.0 + pull)
-        half = quantile / (1.0 + pull) * np.sqrt(spread * spread + 0.25 * pull / trials)
+        half = _NORMAL / (1.0 + pull) * np.sqrt(spread * spread + 0.25 * pull / trials)
         low = min(low, least + span * (middle - half))
         high = max(high, least + span * (middle + half))
     return low, high
 
 
 @inline
-def _unseen_share(replicates, quantile):
+def _unseen_share(replicates):
     """The largest share that so many estimates may all have missed: Wilson's interval of no hit, [1]."""
-    square = quantile * quantile
+    square = _NORMAL * _NORMAL
     return square / (replicates + square) if replicates > 1 else 1.0
 
 

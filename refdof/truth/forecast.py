@@ -16,7 +16,7 @@ from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.scene import Scene
 from refdof.truth.error_bar import excess
-from refdof.truth.reference import MAX_SAMPLES, REPLICATES, as_most, as_seed
+from refdof.truth.reference import MAX_SAMPLES, STEADY_REPLICATES, as_most, as_seed
 from refdof.truth.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
 from refdof.view import View, view_of
 
@@ -86,7 +86,7 @@ def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLE
     most = as_most(max_samples)
     if view.lens.radius == 0.0:
         return Forecast(1.0, 0.0, 0.0)
-    sampler = TileSampler(view, REPLICATES, seed, Spend(1, tolerance, most), False, False)
+    sampler = TileSampler(view, STEADY_REPLICATES, seed, Spend(1, tolerance, most), False, False)
     corners = sampler.corners()
     chosen = sorted({int(len(corners) * (k * _GOLDEN % 1.0)) for k in range(min(_TILES, len(corners)))})
     sampler.tile(corners[chosen[0]], refine=False)  # compiles
@@ -101,8 +101,8 @@ def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLE
     over = np.concatenate([_spread(tile, excess(tile.found, tolerance)) for tile in tiles])
     most = np.minimum(over, _MOST_EXCESS)
     needed = np.maximum(spent, power_of_two(spent * np.maximum(most, 1.0) ** (1.0 / _RATE)))
-    total = float(np.minimum(needed, sampler.most_points).mean()) * REPLICATES
-    rays = float(spent.sum()) * REPLICATES
+    total = float(np.minimum(needed, sampler.most_points).mean()) * STEADY_REPLICATES
+    rays = float(spent.sum()) * STEADY_REPLICATES
     pixels = sampler.width * sampler.height
     unmet = float(np.mean((needed > sampler.most_points) & (over > 1.0)))
     return Forecast(total, seconds * total * pixels / rays, unmet)

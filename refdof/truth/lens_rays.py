@@ -31,6 +31,7 @@ from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 __all__ = ["Aim", "Traversal", "tile_order", "trace_block"]
 
 _UNIT = 2.0**-32
+_FINE = 16  # so many times as many cells as share a packet: fewer are too far apart
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
 _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
@@ -69,7 +70,7 @@ def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
 def trace_block(surfaces, traversal, aim, block, pixels, sums):
     """Add the radiance of one block of points per replicate to sums (R, N, 3), for N pixels (N, 2)."""
     group = min(sums.shape[0], LANES)
-    cells = _cells_together(len(block.cells)) if group == 1 else 1
+    cells = _cells_together(len(block.cells), group)
     strands = len(traversal.packets) * LANES // cells
     rays = np.zeros((4, strands * cells))
     tangents = np.zeros((2, strands))
@@ -87,11 +88,12 @@ def trace_block(surfaces, traversal, aim, block, pixels, sums):
 
 
 @inline
-def _cells_together(cells):
-    """How many neighbouring cells of one net share a packet: the rest of its rays are neighbouring pixels'."""
-    if cells >= 256:
-        return 16
-    return 4 if cells >= 64 else 1
+def _cells_together(cells, group):
+    """How many neighbouring cells of a net share a packet, a power of two; the rest of its rays are other pixels'."""
+    together = 1
+    while together * group < LANES and _FINE * together < cells:
+        together *= 2
+    return together
 
 
 @tile_kernel
@@ -217,7 +219,9 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
     Lanes left over repeat a ray.
     """
     last = strands * cells - 1
-    shift = 0 if cells == 1 else (2 if cells == 4 else 4)
+    shift = 0
+    while (1 << shift) < cells:
+        shift += 1
     for k in range(used):
         for lane in range(LANES):
             entry = min(k * LANES + lane, last)

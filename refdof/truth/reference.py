@@ -25,7 +25,7 @@ import numpy as np
 
 from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
 from refdof._jit import run_tasks
-from refdof.image.noise_floor import GROUPS, floor_of_moments
+from refdof.image.noise_floor import LEAST_GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.owen_sobol import MAX_LOG2
@@ -38,6 +38,7 @@ __all__ = [
     "MAX_SAMPLES",
     "PIXEL_FILTERS",
     "REPLICATES",
+    "STEADY_REPLICATES",
     "Reference",
     "as_most",
     "as_seed",
@@ -46,7 +47,9 @@ __all__ = [
 ]
 
 PIXEL_FILTERS = ("centre", "box")
-REPLICATES = 16
+REPLICATES = 4  # nets of 64 points or more: fewer have no error bar that can be trusted, more make a worse picture
+STEADY_REPLICATES = 16  # where fewer points miss a lamp, and with a tolerance, which rests on bars of single pixels
+_LARGE_NET = 64
 MAX_SAMPLES = 4096  # per pixel, where a tolerance is not met before
 _MOST_REPLICATES = 4096
 
@@ -61,8 +64,9 @@ class Reference:
         Linear RGB, and the standard error of each value.
     low, high : (H, W, 3) float32
         A 95 % interval of each value. On blurred pixels of edges, slits and random cards it holds the truth in 94 to
-        99 % of all cases at 16, 64, 256 and 1024 samples; `image` +- 2.13 `standard_error` alone does so in 65 to 83 %
-        at 16, 85 to 91 % at 64, 90 to 95 % at 256 and 92 to 95 % at 1024 samples (`benchmarks/coverage.py`).
+        99 % of all cases at 16, 64, 256 and 1024 samples; `image` +- Student's quantile of `standard_error` alone does
+        so in 65 to 83 % at 16, 85 to 91 % at 64, 92 to 95 % at 256 and 94 to 95 % at 1024 samples
+        (`benchmarks/coverage.py`).
         Many pixels are counted together: one whose value is near a whole number of a net's points may do worse (86 %
         was seen).
     samples : (H, W) int64
@@ -90,7 +94,7 @@ def reference(
     camera: Camera | None = None,
     lens: ThinLens | None = None,
     samples: int = 1024,
-    replicates: int = REPLICATES,
+    replicates: int | None = None,
     seed: int = 0,
     tolerance: float | None = None,
     pixel_filter: str = "centre",
@@ -106,8 +110,10 @@ def reference(
         Camera and lens default to the scene's suggested shot.
     samples : int
         Lens samples per pixel in all; rounded up to `replicates` times a power of two, where nets are balanced.
-    replicates : int
-        Independent estimates, 16 .. 4096: fewer make an error bar that cannot be trusted.
+    replicates : int, optional
+        Independent estimates, 4 .. 4096: more make the error bar steadier and the picture worse, by the fourth root of
+        their number. By default 4; 16 for fewer than 256 samples, where small nets miss lamps, and for a tolerance,
+        which rests on the error bars of single pixels.
     seed : int
         0 .. 2^32 - 1. Another seed gives an independent picture.
     tolerance : float, optional
@@ -143,7 +149,7 @@ def reference(
 def reference_of_view(
     view: View,
     samples: int = 1024,
-    replicates: int = REPLICATES,
+    replicates: int | None = None,
     seed: int = 0,
     tolerance: float | None = None,
     pixel_filter: str = "centre",
@@ -154,6 +160,9 @@ def reference_of_view(
     """`reference` of a view whose products are shared."""
     as_instance("view", view, View)
     as_function("progress", progress)
+    if replicates is None:
+        few = tolerance is None and as_integer("samples", samples, minimum=1) >= REPLICATES * _LARGE_NET
+        replicates = REPLICATES if few else STEADY_REPLICATES
     replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
     samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
     if tolerance is not None:
@@ -164,7 +173,7 @@ def reference_of_view(
 
 def as_most(max_samples: Any) -> int:
     """Return `max_samples` if it is allowed."""
-    return as_integer("max_samples", max_samples, minimum=REPLICATES, maximum=1 << MAX_LOG2)
+    return as_integer("max_samples", max_samples, minimum=STEADY_REPLICATES, maximum=1 << MAX_LOG2)
 
 
 def as_seed(seed: Any) -> int:
@@ -210,7 +219,7 @@ def estimate(
     corners = sampler.corners()
     run_tasks(task, corners, progress)
     floor = math.inf
-    if replicates >= GROUPS:  # summed in the order of the tiles, whichever ended first
+    if replicates >= LEAST_GROUPS:  # summed in the order of the tiles, whichever ended first
         floor = floor_of_moments(np.sum([noise[corner] for corner in corners], axis=0), image.size, replicates)
     seconds = time.perf_counter() - began
     return replace(result, seconds=seconds, noise_floor_psnr=floor, unmet=float(above.mean()))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof.image.noise_floor import GROUPS, noise_moments
+from refdof.image.noise_floor import LEAST_GROUPS, noise_moments
 from refdof.optics.aperture_sampling import aperture_sampler_of
 from refdof.optics.owen_sobol import block_of
 from refdof.raster.rays.embree import new_packets, new_query
@@ -88,7 +88,7 @@ class TileSampler:
             sums[:, todo] += self._trace(pixels[todo], have, have)
             spent[todo] += have
             found = summarise(sums, spent, grid)
-        noise = noise_moments(sums, spent) if self.replicates >= GROUPS else np.zeros(0)
+        noise = noise_moments(sums, spent) if self.replicates >= LEAST_GROUPS else np.zeros(0)
         return TileEstimate(rows, columns, spent, found, noise)
 
     def _trace(self, pixels: Index, start: int, count: int) -> Any:

@@ -7,7 +7,7 @@ import refdof
 from tests.cards import TRUTH_ERROR, random_cards
 
 SCENES = 60
-STUDENT = 2.131  # 97.5 % quantile of Student's t with 15 degrees of freedom
+STUDENT_16, STUDENT_4 = 2.131, 3.182  # 97.5 % quantiles of Student's t with 15 and 3 degrees of freedom
 ROUNDING = 1e-6  # colours are stored in float32, whose roundings are below 6e-8, twice
 
 
@@ -16,11 +16,11 @@ def scenes():
     return [random_cards(seed) for seed in range(SCENES)]
 
 
-def errors(scenes, samples):
+def errors(scenes, samples, replicates=None):
     """Error and standard error (N, 3) of all pixels with blur; each scene has a seed of its own."""
     pairs = []
     for k, cards in enumerate(scenes):
-        result = refdof.reference(cards.scene, samples=samples, seed=k)
+        result = refdof.reference(cards.scene, samples=samples, replicates=replicates, seed=k)
         pairs.append([(result.image - cards.truth)[cards.blurred], result.standard_error[cards.blurred]])
     return [np.concatenate(x) for x in zip(*pairs, strict=True)]
 
@@ -42,10 +42,10 @@ def test_pixels_of_one_colour_have_that_colour(scenes):
     assert np.mean(off > TRUTH_ERROR + ROUNDING) <= 0.01
 
 
-@pytest.mark.parametrize("points", [4, 16, 64])
-def test_the_error_bar_is_honest(scenes, points):
-    error, standard_error = errors(scenes, 16 * points)
-    covered = np.abs(error) <= STUDENT * standard_error
+@pytest.mark.parametrize(("samples", "student"), [(64, STUDENT_16), (256, STUDENT_4), (1024, STUDENT_4)])
+def test_the_error_bar_is_honest(scenes, samples, student):
+    error, standard_error = errors(scenes, samples)
+    covered = np.abs(error) <= student * standard_error
     # 3 channels of 3400 pixels: the figure itself is known to 0.4 %.
     assert 0.90 <= covered.mean() <= 0.99
     # The mean square is free of Student's tails. Its own error: binary pixels' squares have a kurtosis near 3, so
@@ -64,8 +64,8 @@ def test_no_bias(scenes):
 
 
 def test_the_picture_sharpens_as_promised(scenes):
-    few, _ = errors(scenes, 64)
-    many, _ = errors(scenes, 1024)
+    few, _ = errors(scenes, 64, replicates=16)
+    many, _ = errors(scenes, 1024, replicates=16)
     # Edges: N^-3/4 at best and N^-1/2 at worst, 1/8 and 1/4 of the error at 16 times the points; +- 10 %.
     ratio = np.sqrt((many**2).mean() / (few**2).mean())
     assert 0.125 * 0.9 <= ratio <= 0.25 * 1.1

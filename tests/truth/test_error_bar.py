@@ -61,6 +61,7 @@ def test_no_bias_and_intervals_that_cover(name, samples):
 
 def test_student_quantile():
     # Any printed table of Student's t, 97.5 %.
+    assert student_quantile(4) == pytest.approx(3.1824, abs=5e-5)
     assert student_quantile(16) == pytest.approx(2.1314, abs=5e-5)
     assert student_quantile(31) == pytest.approx(2.0423, abs=5e-5)
 
@@ -102,14 +103,17 @@ def test_the_noise_floor_of_small_lamps(samples):
     assert np.mean(floors) == pytest.approx(-10.0 * np.log10(np.mean(squares)), abs=0.5)
 
 
-def test_the_noise_floor_of_normal_noise():
-    # Normal noise of 0.01 around 0.5 in 32 estimates: their mean's variance is 1e-4 / 32, the curve's slope at 0.5 is
+@pytest.mark.parametrize("replicates", [4, 6, 32])
+def test_the_noise_floor_of_normal_noise(replicates):
+    # Normal noise of 0.01 around 0.5: the mean's variance is 1e-4 / R, the curve's slope at 0.5 is
     # 1.055 / 2.4 * 0.5^(1 / 2.4 - 1) = 0.6586.
-    sums = np.random.default_rng(5).normal(0.5, 0.01, (32, 4000, 3)) * 7
+    sums = np.random.default_rng(5).normal(0.5, 0.01, (replicates, 4000, 3)) * 7
     moments = noise_moments(sums, np.full(4000, 7))
-    # 12 000 values: the variance of eight groups is known to sqrt(2 / 12000 / 4) = 0.7 %, and enters three times.
-    assert floor_of_moments(moments, 12000, 32) == pytest.approx(-10 * np.log10(0.6586**2 * 1e-4 / 32), abs=0.15)
-    assert floor_of_moments(np.zeros(7), 12000, 32) == np.inf
+    # 12 000 values: the variance of eight of 16 groups is known to sqrt(2 / 12000 / 4) = 0.7 %, and enters three times;
+    # that of two of 4 to 0.9 %, and enters twice.
+    floor = -10 * np.log10(0.6586**2 * 1e-4 / replicates)
+    assert floor_of_moments(moments, 12000, replicates) == pytest.approx(floor, abs=0.15)
+    assert floor_of_moments(np.zeros(len(moments)), 12000, replicates) == np.inf
 
 
 def test_a_picture_without_blur_has_no_noise():

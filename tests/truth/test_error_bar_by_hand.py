@@ -13,6 +13,7 @@ pytestmark = pytest.mark.fast
 ESTIMATES = np.array([1.0, 2.0, 3.0, 6.0])
 ERROR = math.sqrt(14 / 3 / 4)  # mean 3; deviations -2, -1, 0, 3; their squares' sum over 4 - 1, of a mean of 4
 STUDENT = 3.182446  # any printed table: 3 degrees of freedom, 97.5 %
+NORMAL = 1.959964  # the same quantile of the normal distribution, which is Wilson's
 
 
 def sums_of(shape, noisy, channel=slice(None), spent=2):
@@ -30,9 +31,9 @@ def test_mean_and_standard_error_by_hand():
     # Student's end below. Above, a share of 2 / 5 between the extremes 1 and 6 with an error of ERROR / 5.
     assert_allclose(found.low, [[3.0 - STUDENT * ERROR] * 3], rtol=1e-6)
     trials = 0.4 * 0.6 / (ERROR / 5) ** 2
-    pull = STUDENT**2 / trials
+    pull = NORMAL**2 / trials
     middle = (0.4 + pull / 2) / (1 + pull)
-    half = STUDENT / (1 + pull) * math.sqrt(0.4 * 0.6 / trials + STUDENT**2 / (4 * trials**2))
+    half = NORMAL / (1 + pull) * math.sqrt(0.4 * 0.6 / trials + NORMAL**2 / (4 * trials**2))
     assert_allclose(found.high, [[max(3.0 + STUDENT * ERROR, 1.0 + 5.0 * (middle + half))] * 3], rtol=1e-6)
 
 
@@ -54,7 +55,7 @@ def test_what_a_pixel_may_have_missed(dx, dy):
         return
     # One sample of 4 x 2 next to it, nothing farther off; Wilson's share of no hit in 4, as far as two pixels.
     assert_allclose(found.error[centre], 0.25 if distance == 1 else 0.0, rtol=1e-15)
-    share = STUDENT**2 / (4 + STUDENT**2) if distance <= 2 else 0.0
+    share = NORMAL**2 / (4 + NORMAL**2) if distance <= 2 else 0.0
     assert_allclose(found.high[centre], 1.0 + share * (6.0 - 1.0), rtol=1e-6)
     assert_allclose(found.low[centre], 1.0, rtol=1e-15)
 

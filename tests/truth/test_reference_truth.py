@@ -8,6 +8,7 @@ from refdof import Part, ThinLens
 from tests import flat_scene
 from tests.closed_forms import circle_of_confusion, half_disc, jinc, mean_reciprocal, two_discs
 
+# Pixels are held against their own error bars, which 16 replicates make steady enough.
 # Seeds are fixed, so that a test passes or fails for good. One value in 2000 of Student's t with 15 degrees of
 # freedom is beyond 4.4; sums over many pixels are nearly normal, and there 4 means one in 15000.
 T, Z = 6.0, 4.0
@@ -38,7 +39,9 @@ def test_a_small_lamp_becomes_an_even_disc(depth, focus):
     half = 0.5 * side * depth / p
     lamp = flat_scene.rectangle(-half, half, -half, half, depth, (100.0, 50.0, 0.0))
     shot = flat_scene.camera(size, size, p)
-    result = refdof.reference(flat_scene.scene_of([lamp], shot), shot, lens, samples=1024, pixel_filter="box")
+    result = refdof.reference(
+        flat_scene.scene_of([lamp], shot), shot, lens, samples=1024, replicates=16, pixel_filter="box"
+    )
     red = result.image[..., 0].astype(float)
     error = np.sqrt((result.standard_error[..., 0].astype(float) ** 2).sum())
     # A lamp of one square pixel and radiance 100 sends flux 100. Every pixel has a pattern of its own.
@@ -73,7 +76,7 @@ def test_half_plane(depth, focus, radius, background):
     scene = flat_scene.scene_of([near], shot, background=(background,) * 3)
     coc = abs(p * radius * (1 / focus - 1 / depth))
     share = half_disc((edge - flat_scene.tangents(32, 4, p)[0] * p) / coc)
-    assert_close(refdof.reference(scene, shot, lens, samples=1024), share + background * (1.0 - share))
+    assert_close(refdof.reference(scene, shot, lens, samples=1024, replicates=16), share + background * (1.0 - share))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
@@ -89,7 +92,9 @@ def test_an_edge_hides_what_the_same_part_of_the_lens_would_see(side, beyond):
     black = flat_scene.rectangle(*sorted([e1, -far]), -50, 50, depths[0], (beyond,) * 3)
     white = flat_scene.rectangle(*sorted([e2, far]), -50, 50, depths[1], (1.0,) * 3)
     grey = flat_scene.rectangle(*sorted([e2, -far]), -50, 50, depths[1], (0.5,) * 3)
-    result = refdof.reference(flat_scene.scene_of([black, white, grey], shot), shot, lens, samples=1 << 18)
+    result = refdof.reference(
+        flat_scene.scene_of([black, white, grey], shot), shot, lens, samples=1 << 18, replicates=16
+    )
     # By hand: G(-0.4) = 0.25232, G(0.2) = 0.62647; 0.25232 + 0.5 (0.62647 - 0.25232) = 0.43939.
     truth = 0.43939 + beyond * (1.0 - 0.62647)
     assert np.abs(result.image - truth).max() <= T * result.standard_error.max() + 1e-5  # five printed digits
@@ -110,7 +115,7 @@ def test_slit(depth, focus):
     x = flat_scene.tangents(24, 3, p)[0] * p
     share = half_disc((right - x) / coc) - half_disc((left - x) / coc)
     scene = flat_scene.scene_of(walls, shot, background=(1.0,) * 3)
-    assert_close(refdof.reference(scene, shot, lens, samples=1024), share)
+    assert_close(refdof.reference(scene, shot, lens, samples=1024, replicates=16), share)
 
 
 @pytest.mark.parametrize(("depth", "focus"), [(1.0, 1.6), (2.5, 1.0)])
@@ -134,7 +139,7 @@ def test_round_hole(depth, focus, hole):
     share = np.vectorize(two_discs)(np.hypot(x, y) * p, coc, hole) / (np.pi * coc * coc)
     # The polygon leaves its circle by less than (pi / n)^2 / 2 = 1e-5 of the radius, and only for the sides that the
     # lens disc cuts does it not even out: 2 of 720 sides. Circles that touch along their whole length are left out.
-    assert_close(refdof.reference(scene, shot, lens, samples=1024), share)
+    assert_close(refdof.reference(scene, shot, lens, samples=1024, replicates=16), share)
 
 
 def slanted(slope, radius, focus):
@@ -154,7 +159,7 @@ def test_a_slanted_plane_that_shows_its_depth(radius, slope, focus, mirrored):
     plane = flat_scene.strips(mirrored * (x * depth)[[0, -1]], depth[[0, -1]], -50.0, 50.0, depth[[0, -1]])
     shot = flat_scene.camera(1, 1, 1.0)
     scene = flat_scene.scene_of([plane], shot, background=(1e6,) * 3)  # a ray that misses would be seen
-    result = refdof.reference(scene, shot, ThinLens(radius, focus), samples=4096)
+    result = refdof.reference(scene, shot, ThinLens(radius, focus), samples=4096, replicates=16)
     # The integrand is smooth: the error bar is small enough to tell the mean from the pinhole's 1.
     assert np.abs(result.image - truth).max() <= T * result.standard_error.max() + 1e-6  # float32
     assert 20.0 * result.standard_error.max() < abs(truth - 1.0)
@@ -192,7 +197,9 @@ def test_contrast_of_a_wave(turns):
     frequency = turns / coc
     shot, lens = flat_scene.camera(16, 1, p), ThinLens(radius, focus)
     truth = 0.5 + 0.5 * jinc(turns) * np.cos(frequency * flat_scene.tangents(16, 1, p)[0] * p)
-    result = refdof.reference(flat_scene.scene_of([wave(frequency, p, depth)], shot), shot, lens, samples=4096)
+    result = refdof.reference(
+        flat_scene.scene_of([wave(frequency, p, depth)], shot), shot, lens, samples=4096, replicates=16
+    )
     # Linear between 1024 points of a period: off by (2 pi / 1024)^2 / 8 of the amplitude. Smooth: no share unseen.
     error = np.abs(result.image - truth[..., None])
     assert (error <= T * result.standard_error + (2 * np.pi / 1024) ** 2 / 16 + 1e-6).all()
@@ -217,7 +224,9 @@ def test_contrast_of_a_painted_wave(turns):
         np.stack([u, 0 * u], axis=1),
     )
     shot = flat_scene.camera(16, 1, p)
-    result = refdof.reference(flat_scene.scene_of([wall], shot), shot, ThinLens(radius, focus), samples=4096)
+    result = refdof.reference(
+        flat_scene.scene_of([wall], shot), shot, ThinLens(radius, focus), samples=4096, replicates=16
+    )
     truth = 0.5 + 0.5 * jinc(turns) * np.sin(2 * np.pi / period * flat_scene.tangents(16, 1, p)[0] * p)
     # Bilinear between 512 texels; texture coordinates in float32 are off by 1e-7 of a few periods.
     error = np.abs(result.image - truth[..., None])
