@@ -396,7 +396,7 @@ INNER_MODULES = {
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
-    "methods.singlepass.planar",
+    "methods.singlepass.planar", "methods.singlepass.walk",
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
@@ -408,7 +408,6 @@ INNER = {
     "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
     "refdof.methods.multiview.method.cone_width",
-    "refdof.methods.singlepass.method.spiral",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
