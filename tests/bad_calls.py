@@ -11,6 +11,7 @@ import math
 import pkgutil
 from collections.abc import Callable
 from dataclasses import fields, replace
+from inspect import signature
 from typing import Any, NamedTuple
 from unittest import mock
 
@@ -357,6 +358,7 @@ DOORS: dict[str, Door] = {
     "refdof.scene.scene.Scene.scaled": Door(SCENE.scaled, {"factor": 2.0}),
     "refdof.scene.scene.Scene.with_background": Door(SCENE.with_background, {"background": (0.0, 0.0, 0.0)}),
     "refdof.scene.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
+    "refdof.stages.Stages": Door(refdof.Stages, {"steps": (1, 2), "pixels": ((0, 1),)}),
     "refdof.view.View": Door(View, _SHOT),
     "refdof.view.View.layers": Door(lambda **words: _view().layers(**words), {"count": 1}, any_result=True),
     "refdof.view.View.surface_counts": Door(lambda **words: _view().surface_counts(**words), {"extent_px": 0}),
@@ -374,12 +376,16 @@ for _name, _module in METHODS.items():
     )
     if _module.METHOD.kind == "single image":
         DOORS[f"{_module.blur.__module__}.blur"] = Door(
-            _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
+            _module.blur,
+            _PICTURES
+            | {"params": _module.Params()}
+            | ({"stages": False} if "stages" in signature(_module.blur).parameters else {}),
+            {"color": ("depth", "coc")},
         )
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report", "stages",
+    "cli", "comparison", "report",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
     "image.atomic", "options", "warm",
@@ -396,7 +402,7 @@ INNER_MODULES = {
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
-    "methods.singlepass.planar", "methods.singlepass.walk",
+    "methods.singlepass.planar", "methods.singlepass.trace", "methods.singlepass.walk",
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
@@ -425,6 +431,11 @@ INNER = {
     "refdof.truth.reference.as_most",
     "refdof.truth.reference.as_seed",
     "refdof.rendering.Result",
+    "refdof.stages.Bounds",
+    "refdof.stages.Stage",
+    "refdof.stages.StageRecorder",
+    "refdof.stages.Staged",
+    "refdof.stages.as_stages",
     "refdof.view.Booking",
     "refdof.view.Pinhole",
     "refdof.view.Triangles",

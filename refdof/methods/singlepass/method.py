@@ -5,7 +5,9 @@
 3. Shrink taps that lie behind the pixel to twice the pixel's own size       `walk._reach`
 4. Blend in each tap by how far its disc covers the pixel, or else the mean   `walk._blend`
 
-Stages: "coc" (H, W) px, "size" (H, W) px, "taps" (N, 2) px, y down.
+Stages: "coc", "size", "limit", "weight_sum", (H, W) each; "taps" (N, 3) px, y down, and radius. As asked for: after K
+taps "mean K" (H, W, 3), of tap K "reach K" and "weight K" (H, W), and "probes" (P, N + 1, 13). More in
+`trace.STAGES`.
 
 Departures from the paper
 -------------------------
@@ -30,14 +32,17 @@ References
 .. [1] Gustafsson (2018), Bokeh Depth of Field in a Single Pass, Tuxedo Labs.
 """
 
+from typing import Literal, overload
+
 import numpy as np
 
 from refdof._check import Float, as_instance
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.singlepass.params import Params
-from refdof.methods.singlepass.walk import sizes_of, spiral, spread, walk_of
-from refdof.stages import StageRecorder
+from refdof.methods.singlepass.trace import STAGES, record_stages
+from refdof.methods.singlepass.walk import spiral, spread, walk_of
+from refdof.stages import Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
@@ -59,19 +64,26 @@ METHOD = Method(
     known_defects=(
         "Energy is not kept: the mean runs along the spiral, so that the order of taps matters.",
         "The mirrored scene does not give the mirrored picture: the spiral turns one way.",
-        "Circles of confusion are cut at 20 px.",
+        "Circles of confusion are cut, by default at 20 px.",
     ),
-    paper={},  # the listing leaves texture filters to the host, and nothing else is a parameter
+    stages=STAGES,
+    paper={},  # the listing leaves texture filters to the host; all else are its own constants
 )
 
 
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
+    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, pinhole.depth, params, recorder)
 
 
-def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+@overload
+def blur(color: Float, depth: Float, coc: Float, params: Params = ..., stages: Literal[False] = ...) -> Float: ...
+@overload
+def blur(color: Float, depth: Float, coc: Float, params: Params = ..., *, stages: Literal[True] | Stages) -> Staged: ...
+def blur(
+    color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
+) -> Float | Staged:
     """Blur a pinhole image.
 
     Parameters
@@ -83,27 +95,33 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     coc : (H, W)
         Signed circle of confusion, radius [px].
     params : Params
+    stages : bool or refdof.Stages
+        Record stages, too: those that every run has, or also steps and probes.
 
     Returns
     -------
-    (H, W, 3) of the type of `color`.
+    (H, W, 3) of the type of `color`; with stages a `Staged`, a pair of that and of the stages by name.
 
     Raises
     ------
     InputError
         If shapes disagree, an array is empty, a value is NaN, a colour or circle is infinite, or a depth is not
-        above 0.
+        above 0; if a step or probe is beyond the loop or the picture; or if `depth_filter` is "bilinear_depth" and the
+        circles are not a thin lens's.
 
     Notes
     -----
-    Costs 398 taps a pixel, whatever the blur. The mean is a running one: order matters, energy is not kept.
+    Costs 398 taps a pixel by default, whatever the blur. The mean is a running one: order matters, energy is not kept.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
+    as_instance("params", params, Params)
+    recorder, given = StageRecorder(as_stages(stages)), depth
+    color, depth, coc = as_images(color, depth, coc)
+    image = _blur(color, depth, coc, np.asarray(given), params, recorder)
+    return Staged(image, recorder.stages) if recorder.on else image
 
 
-def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
-    """`blur` after validation."""
-    recorder.record("coc", lambda: coc)
-    recorder.record("size", lambda: sizes_of(coc, params.max_blur_size))
-    recorder.record("taps", lambda: spiral(params))
-    return spread(walk_of(color, depth, coc, params))
+def _blur(color: Float, depth: Float, coc: Float, given_depth: Float, params: Params, recorder: StageRecorder) -> Float:
+    """`blur` after validation, and the depth as it was given, which stages show."""
+    walk = walk_of(color, depth, coc, params)
+    record_stages(recorder, walk, coc, given_depth, params)
+    return spread(walk)

@@ -15,7 +15,7 @@ from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import blend_of_four, mix_of_four, pad_each, tap_of, window
 
-__all__ = ["BY_DEPTH", "NEAREST", "Walk", "read_tap", "sizes_of", "spiral", "spread", "walk_of"]
+__all__ = ["BY_DEPTH", "NEAREST", "Walk", "read_tap", "sizes_of", "spiral", "spread", "texels_of", "walk_of"]
 
 NEAREST, BILINEAR, BY_DEPTH, BY_DEPTH_SIZE = range(4)  # how a tap's order and size are read
 _SLACK = 1e-3  # px: circles that are a line over inverse depth but for roundings, and 1e-6 of the largest
@@ -88,7 +88,7 @@ def walk_of(color: Float, depth: Float, coc: Float, params: Params) -> Walk:
     margin = int(np.abs(places).max(initial=max(abs(params.shift_x), abs(params.shift_y)))) + 2
     mode, order, circle, line = _guides(depth, coc, params)
     planes = pad_each([*np.moveaxis(color, -1, 0), order, circle], margin, params.border)
-    offsets, weights = _texels(places, params, own)
+    offsets, weights = texels_of(places, params, own)
     walk = Walk(
         planes,
         planes,
@@ -159,7 +159,7 @@ def _line(depth: Float, coc: Float, largest: float) -> tuple[Float, tuple[float,
     return scaled, (float(start), float(fall))
 
 
-def _texels(places: Float, params: Params, own: type) -> tuple[Index, Float]:
+def texels_of(places: Float, params: Params, own: type) -> tuple[Index, Float]:
     """Whole texels (N, 4) and bilinear weights (N, 4) of places [px], of colour and of depth."""
     split = [tap_of(dx, dy) for dx, dy in places]
     linear = np.array([t[:2] for t in split], dtype=np.int64).reshape(-1, 2)
@@ -175,7 +175,7 @@ def _center(walk: Walk, params: Params) -> Float:
     """What pixels read of themselves: the planes, but for shifts, sizes made of depths, and an order of nothing."""
     if not (params.shift_x or params.shift_y or params.order == "always" or walk.mode >= BY_DEPTH):
         return walk.planes
-    offsets, weights = _texels(np.array([[params.shift_x, params.shift_y]]), params, walk.inner.dtype.type)
+    offsets, weights = texels_of(np.array([[params.shift_x, params.shift_y]]), params, walk.inner.dtype.type)
     center = walk.planes.copy()
     inside = window(center, walk.margin, 0, 0)
     color, guides = read_tap(walk, offsets[0], weights[0])
