@@ -21,7 +21,7 @@ import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
-from refdof.methods import cascaded
+from refdof.methods import cascaded, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
@@ -367,6 +367,11 @@ DOORS: dict[str, Door] = {
     ),
     "refdof.view.view_of": Door(refdof.view.view_of, _SHOT),
 }
+DOORS["refdof.methods.singlepass.ties.bounds"] = Door(
+    singlepass.bounds,
+    _PICTURES | {"params": singlepass.Params(max_taps=9), "epsilon": 1e-3, "hair": 1e-6},
+    {"color": ("depth", "coc")},
+)
 for _name, _module in METHODS.items():
     DOORS[f"{_module.Params.__module__}.Params"] = Door(
         _rendered(_name),

@@ -7,7 +7,7 @@ import numpy as np
 from refdof._check import Float
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import mix_of_four, pad_planes, window
-from refdof.methods.singlepass.walk import NEAREST, Walk, read_tap, sizes_of, spiral, spread, texels_of
+from refdof.methods.singlepass.walk import NEAREST, Walk, read_color, read_guides, sizes_of, spiral, spread, texels_of
 from refdof.stages import Stage, StageRecorder
 
 __all__ = ["STAGES", "TapOfAll", "cover_of", "limit_of", "record_stages", "tap_of_all"]
@@ -69,7 +69,8 @@ def record_stages(recorder: StageRecorder, walk: Walk, coc: Float, depth: Float,
 
 def tap_of_all(walk: Walk, k: int) -> TapOfAll:
     """Tap `k`, counted from 0, as the kernel has it to the bit."""
-    color, (order, circle) = read_tap(walk, walk.offsets[k], walk.weights[k])
+    color = read_color(walk, walk.offsets[k], walk.weights[k])
+    order, circle = read_guides(walk, walk.offsets[k], walk.weights[k])
     size = circle if walk.mode == NEAREST else sizes_of(circle, walk.numbers[1])
     here = window(walk.center, walk.margin, 0, 0)[3]
     reach = np.where(order < here, np.minimum(size, limit_of(walk)), size)

@@ -15,7 +15,18 @@ from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import blend_of_four, mix_of_four, pad_each, tap_of, window
 
-__all__ = ["BY_DEPTH", "NEAREST", "Walk", "read_tap", "sizes_of", "spiral", "spread", "texels_of", "walk_of"]
+__all__ = [
+    "BY_DEPTH",
+    "NEAREST",
+    "Walk",
+    "read_color",
+    "read_guides",
+    "sizes_of",
+    "spiral",
+    "spread",
+    "texels_of",
+    "walk_of",
+]
 
 NEAREST, BILINEAR, BY_DEPTH, BY_DEPTH_SIZE = range(4)  # how a tap's order and size are read
 _SLACK = 1e-3  # px: circles that are a line over inverse depth but for roundings, and 1e-6 of the largest
@@ -54,12 +65,12 @@ class Walk(NamedTuple):
     margin: int
 
 
-def spiral(params: Params = Params()) -> Float:
-    """The taps (N, 3): x, y [px], y down, and radius. By default 398, one per pi px^2."""
+def spiral(params: Params = Params(), beyond: float = 0.0) -> Float:
+    """The taps (N, 3): x, y [px], y down, and radius. By default 398, one per pi px^2. The bound moves by `beyond`."""
     own: Any = np.float32 if params.precision == "float32" else float
     radius, angle = own(params.first_radius), own(params.angle_start)
     taps: list[tuple[float, float, float]] = []
-    step, growth, bound = own(params.angle_step), own(params.rad_scale), own(params.bound)
+    step, growth, bound = own(params.angle_step), own(params.rad_scale), own(params.bound + beyond)
     most = math.inf if params.max_taps is None else params.max_taps
     down = params.scale_y if params.row_order == "down" else -params.scale_y
     while radius < bound and len(taps) < most:
@@ -75,15 +86,15 @@ def sizes_of(coc: Float, largest: float) -> Float:
     return np.minimum(np.abs(coc), coc.dtype.type(largest))
 
 
-def walk_of(color: Float, depth: Float, coc: Float, params: Params) -> Walk:
-    """Prepare validated pictures of one type: color (H, W, 3), depth (H, W), coc (H, W) [px].
+def walk_of(color: Float, depth: Float, coc: Float, params: Params, beyond: float = 0.0) -> Walk:
+    """Prepare validated pictures of one type: color (H, W, 3), depth (H, W), coc (H, W) [px], for `spiral`.
 
     Raises
     ------
     InputError
         If `coc` is no line over inverse depth where the depth filter needs one.
     """
-    own, taps = color.dtype.type, spiral(params)
+    own, taps = color.dtype.type, spiral(params, beyond)
     places = taps[:, :2] + (params.shift_x, params.shift_y)
     margin = int(np.abs(places).max(initial=max(abs(params.shift_x), abs(params.shift_y)))) + 2
     mode, order, circle, line = _guides(depth, coc, params)
@@ -108,20 +119,24 @@ def spread(walk: Walk, count: int | None = None) -> Float:
     return _spread(walk.planes, walk.center, walk.offsets[first], walk.weights[first], walk.inner[first], *walk[5:])
 
 
-def read_tap(walk: Walk, offsets: Index, weights: Float) -> tuple[Float, Float]:
-    """What all pixels read at one offset, as `_spread` does: colour (3, H, W); order and size or circle (2, H, W)."""
-    margin, (x, y, nx, ny) = walk.margin, offsets.tolist()
-    color, guides = walk.planes[:3], walk.planes[3:]
-    read = blend_of_four(color, margin, x, y, weights[:2])
+def read_color(walk: Walk, offsets: Index, weights: Float) -> Float:
+    """The colour that all pixels read at one offset, as `_spread` does: (3, H, W)."""
+    x, y = offsets[:2].tolist()
+    return blend_of_four(walk.planes[:3], walk.margin, x, y, weights[:2])
+
+
+def read_guides(walk: Walk, offsets: Index, weights: Float) -> Float:
+    """What all pixels read of depth at one offset, as `_spread` does: order, and size or circle (2, H, W)."""
+    (x, y), planes = offsets[2:].tolist(), walk.planes[3:]
     if walk.mode == NEAREST:
-        return read, window(guides, margin, nx, ny)
+        return window(planes, walk.margin, x, y)
     if walk.mode == BILINEAR:
-        return read, blend_of_four(guides, margin, nx, ny, weights[2:])
-    (order,) = mix_of_four(guides[:1], margin, nx, ny, weights[2:])
+        return blend_of_four(planes, walk.margin, x, y, weights[2:])
+    (order,) = mix_of_four(planes[:1], walk.margin, x, y, weights[2:])
     circle = walk.numbers[2] + walk.numbers[3] / order
     if walk.mode == BY_DEPTH_SIZE:
         order = -np.clip(circle, -walk.numbers[1], walk.numbers[1])
-    return read, np.stack([order, circle])
+    return np.stack([order, circle])
 
 
 def _guides(depth: Float, coc: Float, params: Params) -> tuple[int, Float, Float, tuple[float, float]]:
@@ -178,8 +193,7 @@ def _center(walk: Walk, params: Params) -> Float:
     offsets, weights = texels_of(np.array([[params.shift_x, params.shift_y]]), params, walk.inner.dtype.type)
     center = walk.planes.copy()
     inside = window(center, walk.margin, 0, 0)
-    color, guides = read_tap(walk, offsets[0], weights[0])
-    inside[:3], inside[3:] = color, guides
+    inside[:3], inside[3:] = read_color(walk, offsets[0], weights[0]), read_guides(walk, offsets[0], weights[0])
     if params.order == "always":
         inside[3] = np.inf
     return center

@@ -47,8 +47,11 @@ def single_pass_at(x, y, color, depth, coc, depth_filter, circle_of=None, **chan
     return steps[-1]["total_color"] / steps[-1]["total"]
 
 
-def taps_at(x, y, color, depth, coc, depth_filter, circle_of=None, **changes):
-    """All steps of the loop for one pixel: what was read, and the running sums; the first one is the pixel alone."""
+def taps_at(x, y, color, depth, coc, depth_filter, circle_of=None, nudges=(), **changes):
+    """All steps of the loop for one pixel: what was read, and the running sums; the first one is the pixel alone.
+
+    `nudges` are added to the places at which taps read nearest texels, one pair a tap.
+    """
     assert set(changes) <= set(LISTING)
     use = {**LISTING, **changes}
     own = color.dtype.type
@@ -81,7 +84,9 @@ def taps_at(x, y, color, depth, coc, depth_filter, circle_of=None, **changes):
         return above + (below - above) * v
 
     def nearest(image, dx, dy):
-        return texel(image, x + math.floor(dx + 0.5), y + math.floor(dy + 0.5))
+        k = len(steps) - 1
+        right, down = nudges[k] if 0 <= k < len(nudges) else (0.0, 0.0)
+        return texel(image, x + math.floor(dx + right + 0.5), y + math.floor(dy + down + 0.5))
 
     def depth_and_circle(dx, dy):
         """What grows with depth, and the signed circle."""
@@ -97,11 +102,12 @@ def taps_at(x, y, color, depth, coc, depth_filter, circle_of=None, **changes):
     def place(dx, dy):
         return dx + use["shift_x"], dy + use["shift_y"]
 
+    steps = []
     read_color = {"bilinear": bilinear, "nearest": nearest}[use["color_filter"]]
     center_depth, center_circle = depth_and_circle(*place(0.0, 0.0))
     center_size = blur_size(center_circle)
     total_color, total = read_color(color, *place(0.0, 0.0)).copy(), one
-    steps = [{"total_color": total_color, "total": total}]
+    steps.append({"total_color": total_color, "total": total})
 
     sums = np.float32 if use["precision"] == "float32" else float
     rad_scale = sums(use["rad_scale"])
