@@ -65,10 +65,10 @@ class Stages:
 
     Parameters
     ----------
-    steps : whole numbers, 0 .. 65536
-        Steps of a method's loop after which its state is recorded, such as taps.
-    pixels : pairs (x, y), at most 16
-        Probes: pixels whose loop is recorded step by step. Row 0 is the top row.
+    steps : whole numbers, 0 .. 65536, or None
+        Steps of a method's loop after which its state is recorded, such as taps. None: 1, 4, 16 and so on, and all.
+    pixels : pairs (x, y), at most 16, or None
+        Probes: pixels whose loop is recorded step by step. Row 0 is the top row. None: the middles of 4 x 4 parts.
 
     Raises
     ------
@@ -76,16 +76,18 @@ class Stages:
         If a step or a pixel is no whole number, or there are too many.
     """
 
-    steps: tuple[int, ...] = ()
-    pixels: tuple[tuple[int, int], ...] = ()
+    steps: tuple[int, ...] | None = ()
+    pixels: tuple[tuple[int, int], ...] | None = ()
 
     def __post_init__(self) -> None:
-        steps = sorted({as_integer("steps", k, minimum=0, maximum=_MOST_STEPS) for k in _listed("steps", self.steps)})
-        pixels = [as_pair("pixels", p, minimum=0, maximum=_LARGEST_SIDE) for p in _listed("pixels", self.pixels)]
-        if len(pixels) > MOST_PROBES:
-            raise InputError(f"pixels: got {len(pixels)}; allowed are at most {MOST_PROBES}")
-        object.__setattr__(self, "steps", tuple(steps))
-        object.__setattr__(self, "pixels", tuple(pixels))
+        if self.steps is not None:
+            steps = {as_integer("steps", k, minimum=0, maximum=_MOST_STEPS) for k in _listed("steps", self.steps)}
+            object.__setattr__(self, "steps", tuple(sorted(steps)))
+        if self.pixels is not None:
+            pixels = [as_pair("pixels", p, minimum=0, maximum=_LARGEST_SIDE) for p in _listed("pixels", self.pixels)]
+            if len(pixels) > MOST_PROBES:
+                raise InputError(f"pixels: got {len(pixels)}; allowed are at most {MOST_PROBES}")
+            object.__setattr__(self, "pixels", tuple(pixels))
 
 
 class Staged(NamedTuple):
@@ -126,6 +128,8 @@ class StageRecorder:
 
     def steps(self, count: int) -> tuple[int, ...]:
         """The steps wanted of a loop of `count`."""
+        if self._wanted.steps is None:
+            return tuple(sorted({*(4**k for k in range(8) if 4**k < count), count}))
         beyond = [k for k in self._wanted.steps if k > count]
         if beyond:
             raise InputError(f"steps: got {beyond[0]}; allowed are 0 .. {count}, the steps of the loop")
@@ -133,6 +137,9 @@ class StageRecorder:
 
     def pixels(self, height: int, width: int) -> tuple[tuple[int, int], ...]:
         """The probes wanted in a picture."""
+        if self._wanted.pixels is None:
+            middles = [[(2 * k + 1) * side // 8 for k in range(4)] for side in (width, height)]
+            return tuple(sorted({(x, y) for y in middles[1] for x in middles[0]}, key=lambda place: place[::-1]))
         for x, y in self._wanted.pixels:
             if x >= width or y >= height:
                 raise InputError(f"pixels: got ({x}, {y}); allowed are pixels of {width} x {height}")
