@@ -20,7 +20,7 @@ from refdof.methods._image_validation import as_images
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import window
 from refdof.methods.singlepass.trace import cover_of
-from refdof.methods.singlepass.walk import NEAREST, Walk, read_color, read_guides, sizes_of, spiral, walk_of
+from refdof.methods.singlepass.walk import NEAREST, Walk, bands, read_color, read_guides, sizes_of, spiral, walk_of
 from refdof.stages import Bounds
 
 __all__ = ["bounds"]
@@ -67,11 +67,12 @@ def bounds(
     places = spiral(params, beyond=epsilon)[:, :2] + shift
     fewest = len(spiral(params, beyond=-epsilon))
     low, high = np.full(color.shape, np.inf), np.full(color.shape, -np.inf)
-    for center in _centers(walk, np.array(shift), params, epsilon):
-        taps = (_tap(walk, k, place, center, params, epsilon, hair) for k, place in enumerate(places))
-        for least, greatest in _least_and_greatest(center, taps, fewest):
-            np.minimum(low, np.moveaxis(least, 0, -1), out=low)
-            np.maximum(high, np.moveaxis(greatest, 0, -1), out=high)
+    for rows, band in bands(walk):
+        for center in _centers(band, np.array(shift), params, epsilon):
+            taps = (_tap(band, k, place, center, params, epsilon, hair) for k, place in enumerate(places))
+            for least, greatest in _least_and_greatest(center, taps, fewest):
+                low[rows] = np.minimum(low[rows], np.moveaxis(least, 0, -1))
+                high[rows] = np.maximum(high[rows], np.moveaxis(greatest, 0, -1))
     return Bounds(low, high, np.asarray((low < high).any(axis=-1)))
 
 

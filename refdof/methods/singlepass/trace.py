@@ -7,7 +7,17 @@ import numpy as np
 from refdof._check import Float
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import mix_of_four, pad_planes, window
-from refdof.methods.singlepass.walk import NEAREST, Walk, read_color, read_guides, sizes_of, spiral, spread, texels_of
+from refdof.methods.singlepass.walk import (
+    NEAREST,
+    Walk,
+    bands,
+    read_color,
+    read_guides,
+    sizes_of,
+    spiral,
+    spread,
+    texels_of,
+)
 from refdof.stages import Stage, StageRecorder
 
 __all__ = ["STAGES", "TapOfAll", "cover_of", "limit_of", "record_stages", "tap_of_all"]
@@ -92,8 +102,9 @@ def cover_of(reach: Float, inner: Float) -> Float:
 def _weight_sum(walk: Walk) -> Float:
     """Sum of the weights of all taps: (H, W) float64."""
     total = np.zeros(window(walk.planes, walk.margin, 0, 0).shape[1:])
-    for k in range(len(walk.offsets)):
-        total += tap_of_all(walk, k).weight
+    for rows, band in bands(walk):
+        for k in range(len(walk.offsets)):
+            total[rows] += tap_of_all(band, k).weight
     return total
 
 

@@ -6,6 +6,7 @@
 """
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ __all__ = [
     "BY_DEPTH",
     "NEAREST",
     "Walk",
+    "bands",
     "read_color",
     "read_guides",
     "sizes_of",
@@ -29,6 +31,7 @@ __all__ = [
 ]
 
 NEAREST, BILINEAR, BY_DEPTH, BY_DEPTH_SIZE = range(4)  # how a tap's order and size are read
+_BAND = 16384  # pixels
 _SLACK = 1e-3  # px: circles that are a line over inverse depth but for roundings, and 1e-6 of the largest
 
 
@@ -117,6 +120,16 @@ def spread(walk: Walk, count: int | None = None) -> Float:
     """Run the first `count` taps, or all: (H, W, 3). A port's loop with a lower bound ends after as many."""
     first = slice(count)
     return _spread(walk.planes, walk.center, walk.offsets[first], walk.weights[first], walk.inner[first], *walk[5:])
+
+
+def bands(walk: Walk) -> Iterator[tuple[slice, Walk]]:
+    """The walk in bands of rows that fit a cache, for work in NumPy."""
+    height, width = (side - 2 * walk.margin for side in walk.planes.shape[1:])
+    step = max(1, _BAND // width)
+    for top in range(0, height, step):
+        rows = slice(top, min(top + step, height))
+        part = np.s_[:, rows.start : rows.stop + 2 * walk.margin]
+        yield rows, walk._replace(planes=walk.planes[part], center=walk.center[part])
 
 
 def read_color(walk: Walk, offsets: Index, weights: Float) -> Float:
