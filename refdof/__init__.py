@@ -21,6 +21,7 @@ from refdof.scene.builtin import SCENES
 from refdof.scene.load import load_scene
 from refdof.scene.material import Light, Material
 from refdof.scene.scene import Part, Scene
+from refdof.stages import Stages
 from refdof.truth.forecast import Forecast, forecast
 from refdof.truth.reference import Reference, reference
 from refdof.view import View
@@ -40,6 +41,7 @@ __all__ = [
     "Reference",
     "Result",
     "Scene",
+    "Stages",
     "ThinLens",
     "View",
     "forecast",

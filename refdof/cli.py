@@ -1,4 +1,4 @@
-"""The command line: `refdof scenes | methods | render | compare | warm`.
+"""The command line: `refdof scenes | methods | render | export | compare | warm`.
 
 stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
 names the argument, what it got and what is allowed.
@@ -17,10 +17,12 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from refdof._check import InputError
+from refdof._check import InputError, as_choice
 from refdof.compare import compare as compare_scene
 from refdof.compare import warming_up
 from refdof.comparison import Comparison
+from refdof.export import export_view, save_stages, with_declared_stages
+from refdof.image.arrays import check_arrays_folder
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
 from refdof.methods import METHODS
@@ -32,11 +34,13 @@ from refdof.options import (
     MethodSettings,
     Most,
     Preset,
+    Probes,
     Radius,
     Samples,
     Seed,
     Settings,
     Size,
+    Steps,
     Threads,
     Tolerance,
     listed,
@@ -44,6 +48,7 @@ from refdof.options import (
     set_threads,
     setting,
     settings_by_method,
+    stages_of,
 )
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
@@ -119,25 +124,71 @@ def render(
     focus: Focus = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
     samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
+    stages: Annotated[
+        Path | None,
+        typer.Option("--stages", metavar="DIR", help="Also write the stages into this folder, a new one."),
+    ] = None,
+    steps: Steps = None,
+    pixel: Probes = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Render a scene with one method."""
     set_threads(threads)
+    wanted = stages_of(steps, pixel)
     if output.suffix not in SUFFIXES:
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     check_folder(output.parent, "output")
+    if stages is not None:
+        check_arrays_folder(stages, "stages")
     params = dict(setting(text) for text in settings or [])
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params, preset)
     with warming_up([(method, preset)] if scene in SCENES else []):
         loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
-    result = render_view(method, View(loaded, camera, lens), preset=preset, **params)
+    view = View(loaded, camera, lens)
+    result = render_view(method, view, wanted if stages is not None else False, preset, **params)
+    if stages is not None:
+        save_stages(method, view, result, stages)
     save_image(output, result.image)
     facts = {
         "output": str(output),
+        **({} if stages is None else {"stages": str(stages)}),
         **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()},
     }
+    print(json.dumps(facts) if as_json else _words(facts))
+
+
+@app.command()
+def export(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="A new folder, or an earlier export.")],
+    methods: Annotated[
+        str | None,
+        typer.Option("--methods", metavar="A,B,C", help="Methods to run. Default: those that declare their stages."),
+    ] = None,
+    settings: MethodSettings = None,
+    layers: Annotated[int, typer.Option("--layers", help="Surfaces per pixel.")] = 4,
+    steps: Steps = None,
+    pixel: Probes = None,
+    size: Size = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write what a port starts from and is compared with: pinhole colour, depth, circles, layers, stages.
+
+    Each array is written as NPY and as raw little-endian numbers; arrays.json tells shapes, units and conventions.
+    """
+    set_threads(threads)
+    names = listed(methods) if methods is not None else with_declared_stages()
+    for name in names:
+        as_choice("method", name, METHODS)
+    params = settings_by_method(settings or [], names, ["best"])
+    view = View(*scene_camera_lens(scene, size, lens_radius, focus))
+    export_view(view, out, names, params, layers, stages_of(steps, pixel))
+    facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
 
 

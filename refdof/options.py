@@ -12,6 +12,7 @@ from refdof.optics.lens import ThinLens
 from refdof.rendering import make_params
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
+from refdof.stages import Stages
 
 __all__ = [
     "PRESET_HELP",
@@ -20,11 +21,13 @@ __all__ = [
     "MethodSettings",
     "Most",
     "Preset",
+    "Probes",
     "Radius",
     "Samples",
     "Seed",
     "Settings",
     "Size",
+    "Steps",
     "Threads",
     "Tolerance",
     "listed",
@@ -32,6 +35,7 @@ __all__ = [
     "set_threads",
     "setting",
     "settings_by_method",
+    "stages_of",
 ]
 
 Size = Annotated[
@@ -62,6 +66,36 @@ MethodSettings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
 ]
+
+
+Steps = Annotated[
+    str | None,
+    typer.Option(
+        "--steps",
+        metavar="K,K,...",
+        help="Steps of a method's loop whose state is kept, such as taps. Default: 1, 4, 16 ..",
+    ),
+]
+Probes = Annotated[
+    list[str] | None,
+    typer.Option("--pixel", metavar="X,Y", help="A pixel whose loop is kept step by step; up to 16. Default: 4 x 4."),
+]
+
+
+def stages_of(steps: str | None, pixels: list[str] | None) -> Stages:
+    """The stages that options ask for."""
+    places = None if pixels is None else tuple(_whole("pixel", text) for text in pixels)
+    for text, place in zip(pixels or [], places or (), strict=True):
+        if len(place) != 2:
+            raise InputError(f"pixel: got {text!r}; allowed is X,Y")
+    return Stages(None if steps is None else _whole("steps", steps), places)  # type: ignore[arg-type]
+
+
+def _whole(name: str, text: str) -> tuple[int, ...]:
+    words = listed(text)
+    if not all(word.isdecimal() and len(word) < 10 for word in words):
+        raise InputError(f"{name}: got {text!r}; allowed are whole numbers between commas")
+    return tuple(int(word) for word in words)
 
 
 def scene_camera_lens(

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, as_bool, as_choice, as_instance
+from refdof._check import Float, as_choice, as_instance
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.scene import Scene
-from refdof.stages import StageRecorder
+from refdof.stages import StageRecorder, Stages, as_stages
 from refdof.view import View, view_of
 
 __all__ = ["PRESETS", "Result", "make_params", "render", "render_view"]
@@ -48,7 +48,7 @@ def render(
     scene: Scene,
     camera: Camera | None = None,
     lens: ThinLens | None = None,
-    stages: bool = False,
+    stages: bool | Stages = False,
     preset: str = "best",
     **params: Any,
 ) -> Result:
@@ -60,8 +60,8 @@ def render(
         A name in `refdof.METHODS`.
     scene, camera, lens
         Camera and lens default to the scene's suggested shot.
-    stages : bool
-        Record the method's stages.
+    stages : bool or refdof.Stages
+        Record the method's stages: those that every run has, or also steps and probes.
     preset : one of `PRESETS`
         What fields have that are not given: "best", what measurement chose, or "paper", what the paper's text says.
     **params
@@ -75,12 +75,11 @@ def render(
     return render_view(method, view_of(scene, camera, lens), stages, preset, **params)
 
 
-def render_view(method: str, view: View, stages: bool = False, preset: str = "best", **params: Any) -> Result:
+def render_view(method: str, view: View, stages: bool | Stages = False, preset: str = "best", **params: Any) -> Result:
     """`render` of a view whose products are shared."""
     chosen = make_params(method, params, preset)
     as_instance("view", view, View)
-    as_bool("stages", stages)
-    recorder = StageRecorder(stages)
+    recorder = StageRecorder(as_stages(stages))
     with view.booking() as book:
         start = time.perf_counter()
         image = METHODS[method].render(view, chosen, recorder)

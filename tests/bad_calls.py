@@ -11,6 +11,7 @@ import math
 import pkgutil
 from collections.abc import Callable
 from dataclasses import fields, replace
+from inspect import signature
 from typing import Any, NamedTuple
 from unittest import mock
 
@@ -20,7 +21,7 @@ import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
-from refdof.methods import cascaded
+from refdof.methods import cascaded, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
@@ -357,6 +358,7 @@ DOORS: dict[str, Door] = {
     "refdof.scene.scene.Scene.scaled": Door(SCENE.scaled, {"factor": 2.0}),
     "refdof.scene.scene.Scene.with_background": Door(SCENE.with_background, {"background": (0.0, 0.0, 0.0)}),
     "refdof.scene.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
+    "refdof.stages.Stages": Door(refdof.Stages, {"steps": (1, 2), "pixels": ((0, 1),)}),
     "refdof.view.View": Door(View, _SHOT),
     "refdof.view.View.layers": Door(lambda **words: _view().layers(**words), {"count": 1}, any_result=True),
     "refdof.view.View.surface_counts": Door(lambda **words: _view().surface_counts(**words), {"extent_px": 0}),
@@ -365,6 +367,11 @@ DOORS: dict[str, Door] = {
     ),
     "refdof.view.view_of": Door(refdof.view.view_of, _SHOT),
 }
+DOORS["refdof.methods.singlepass.ties.bounds"] = Door(
+    singlepass.bounds,
+    _PICTURES | {"params": singlepass.Params(max_taps=9), "epsilon": 1e-3, "hair": 1e-6},
+    {"color": ("depth", "coc")},
+)
 for _name, _module in METHODS.items():
     DOORS[f"{_module.Params.__module__}.Params"] = Door(
         _rendered(_name),
@@ -374,15 +381,19 @@ for _name, _module in METHODS.items():
     )
     if _module.METHOD.kind == "single image":
         DOORS[f"{_module.blur.__module__}.blur"] = Door(
-            _module.blur, _PICTURES | {"params": _module.Params()}, {"color": ("depth", "coc")}
+            _module.blur,
+            _PICTURES
+            | {"params": _module.Params()}
+            | ({"stages": False} if "stages" in signature(_module.blur).parameters else {}),
+            {"color": ("depth", "coc")},
         )
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report", "stages",
+    "cli", "comparison", "report",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
-    "image.atomic", "options", "warm",
+    "image.arrays", "image.atomic", "export", "options", "warm",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
@@ -396,7 +407,7 @@ INNER_MODULES = {
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
-    "methods.singlepass.planar",
+    "methods.singlepass.planar", "methods.singlepass.trace", "methods.singlepass.walk",
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
@@ -408,7 +419,6 @@ INNER = {
     "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
     "refdof.methods.multiview.method.cone_width",
-    "refdof.methods.singlepass.method.spiral",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
@@ -426,6 +436,11 @@ INNER = {
     "refdof.truth.reference.as_most",
     "refdof.truth.reference.as_seed",
     "refdof.rendering.Result",
+    "refdof.stages.Bounds",
+    "refdof.stages.Stage",
+    "refdof.stages.StageRecorder",
+    "refdof.stages.Staged",
+    "refdof.stages.as_stages",
     "refdof.view.Booking",
     "refdof.view.Pinhole",
     "refdof.view.Triangles",

@@ -117,6 +117,35 @@ def test_render_writes_the_kind_that_the_name_says(tmp_path, suffix):
     assert load_image(tmp_path / f"a{suffix}").shape == (15, 20, 3)
 
 
+def test_render_writes_stages_that_other_languages_read(tmp_path):
+    words = ("--method", "singlepass", "--size", "20x15", "--set", "max_taps=9", "-o", "a.npy", "--stages", "here")
+    done = refdof("render", "branches", *words, "--steps", "3,9", "--pixel", "4,5", "--pixel", "0,14", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    index = json.loads((tmp_path / "here" / "arrays.json").read_text())
+    assert set(index["arrays"]) == {
+        "image", "coc", "size", "limit", "taps", "weight_sum", "reach_3", "reach_9", "weight_3", "weight_9", "mean_3",
+        "mean_9", "probes",
+    }  # fmt: skip
+    picture = np.load(tmp_path / "a.npy")
+    assert np.array_equal(np.load(tmp_path / "here" / "image.npy"), picture)
+    assert (tmp_path / "here" / "mean_9.f32").read_bytes() == picture.astype("<f4").tobytes()
+    assert index["arrays"]["probes"]["shape"] == [2, 10, 13]
+    assert index["arrays"]["taps"]["columns"] == ["x", "y", "radius"]
+    assert index["methods"]["singlepass"]["params"]["max_taps"] == 9
+
+
+def test_export_writes_inputs_and_stages(tmp_path):
+    words = ("--size", "16x12", "--layers", "2", "--set", "singlepass.loop_bound=4", "--json")
+    done = refdof("export", "branches", *words, "--out", "here", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {"out": "here", "methods": "singlepass"}
+    index = json.loads((tmp_path / "here" / "arrays.json").read_text())
+    assert {"color", "depth", "coc", "layer_color", "layer_depth", "singlepass/image", "singlepass/probes"} <= set(
+        index["arrays"]
+    )
+    assert index["arrays"]["layer_depth"]["shape"] == [2, 12, 16]
+
+
 def test_help_keeps_its_units():
     """Rich reads [px] as markup and drops it."""
     for command in ("render", "compare"):
@@ -177,6 +206,34 @@ def test_bad_input_from_a_shell():
             ["render", "fence", "--method", "singlepass", "--preset", "Best", "-o", "a.png"],
             "preset: got 'Best'; did you mean 'best'",
         ),
+        (
+            ["render", "fence", "--method", "singlepass", "--size", "9x9", "-o", "a.npy", "--stages", "/proc/no"],
+            "stages: ",
+        ),
+        (["render", "fence", "--method", "singlepass", "-o", "a.npy", "--steps", "1,x"], "steps: got '1,x'; allowed"),
+        (
+            [
+                "render",
+                "fence",
+                "--method",
+                "singlepass",
+                "--size",
+                "9x9",
+                "-o",
+                "a.npy",
+                "--stages",
+                "b",
+                "--pixel",
+                "9,0",
+            ],
+            "pixels: got (9, 0); allowed are pixels of 9 x 9",
+        ),
+        (["export", "fence", "--out", "/dev/null"], "out: got '/dev/null', but /dev/null is not a writable folder"),
+        (["export", "fence", "--out", "a", "--methods", "singlepas"], "method: got 'singlepas'; did you mean"),
+        (["export", "fence", "--out", "a", "--pixel", "3"], "pixel: got '3'; allowed is X,Y"),
+        (["export", "fence", "--out", "a", "--pixel", "3,-1"], "pixel: got '3,-1'; allowed are whole numbers"),
+        (["export", "fence", "--out", "a", "--layers", "0"], "layers: got 0; allowed is a whole number in 1 .. 64"),
+        (["export", "fence", "--out", "a", "--set", "singlepass.rad_scale=0"], "rad_scale: got 0"),
         (["rendr"], "No such command 'rendr'"),
         (["compare", "fence", "--frobnicate"], "No such option"),
     ],

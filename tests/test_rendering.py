@@ -97,7 +97,7 @@ def test_depth_of_a_card_is_exact():
 def test_stages_only_when_asked():
     assert render("singlepass", view().scene).stages == {}
     stages = render("singlepass", view().scene, stages=True).stages
-    assert set(stages) == {"coc", "size", "taps"}
+    assert set(stages) == {"coc", "size", "limit", "taps", "weight_sum"}
     assert stages["coc"].shape == (16, 24)
 
 

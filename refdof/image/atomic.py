@@ -6,13 +6,14 @@ it was.
 
 import os
 import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from refdof._check import InputError
 
-__all__ = ["atomic_path", "check_folder", "write_text"]
+__all__ = ["atomic_folder", "atomic_path", "check_folder", "write_text"]
 
 
 @contextmanager
@@ -52,6 +53,40 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
         raise _unwritable(argument, target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_folder(target: str | os.PathLike[str], argument: str = "out") -> Iterator[Path]:
+    """Yield a new temporary folder beside `target`; on a clean exit it takes the place of `target`, files and all.
+
+    Whether what is there may be replaced is the caller's to check.
+
+    Raises
+    ------
+    InputError
+        If the target cannot be written. Any other error of the body passes through. In both cases the temporary folder
+        is gone and the old target untouched.
+    """
+    final = Path(target).resolve()
+    temporary, old = (final.parent / f".refdof-{secrets.token_hex(8)}" for _ in range(2))
+    try:
+        temporary.mkdir(parents=True)
+        yield temporary
+        if final.exists():
+            os.replace(final, old)
+        try:
+            os.replace(temporary, final)
+        except OSError:
+            if old.exists():
+                os.replace(old, final)
+            raise
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise _unwritable(argument, target, error) from error
+    finally:
+        for folder in (temporary, old):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def write_text(target: str | os.PathLike[str], text: str, argument: str = "out") -> None:

@@ -17,10 +17,11 @@ References
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from refdof._check import as_choice
+from refdof.stages import Stage
 
 __all__ = ["KINDS", "LARGEST_RADIUS", "MEAN_RADIUS", "PROMISES", "REACH", "Method", "facts_of", "level_shares"]
 
@@ -74,6 +75,7 @@ class Method:
         Where its paper's text differs from the defaults of `params`: the preset "paper".
     reconstruction : bool
         True where the source was not at hand and the steps are pieced together.
+    stages : Stages that it records; empty: not declared yet
 
     Raises
     ------
@@ -91,6 +93,7 @@ class Method:
     known_defects: tuple[str, ...]
     paper: Mapping[str, Any] = field(default_factory=dict)
     reconstruction: bool = False
+    stages: tuple[Stage, ...] = ()
 
     def __post_init__(self) -> None:
         as_choice("kind", self.kind, KINDS)
@@ -134,6 +137,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
         "kind": method.kind,
         "promises": method.promises,
         "known_defects": method.known_defects,
+        "stages": [asdict(stage) for stage in method.stages],
     }
 
 

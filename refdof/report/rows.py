@@ -15,7 +15,7 @@ from refdof.comparison import Comparison, Row
 from refdof.metrics import FLIP_PPD, METRICS
 from refdof.optics.lens import ThinLens
 
-__all__ = ["DISPLAY", "at_noise_floor", "command_of", "plain", "rows_as_json"]
+__all__ = ["DISPLAY", "at_noise_floor", "command_of", "lens_as_json", "plain", "rows_as_json"]
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
@@ -35,7 +35,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
     return {
         "scene": comparison.scene,
         "camera": plain(asdict(comparison.camera)),
-        "lens": _lens(comparison.lens),
+        "lens": lens_as_json(comparison.lens),
         "reference": {
             "samples": plain(comparison.samples),
             "seconds": plain(comparison.seconds),
@@ -100,7 +100,8 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def _lens(lens: ThinLens) -> dict[str, Any]:
+def lens_as_json(lens: ThinLens) -> dict[str, Any]:
+    """A lens in JSON's own types."""
     aperture = lens.aperture
     if aperture.is_image:
         shape = f"image of {aperture.weights.shape[1]} x {aperture.weights.shape[0]} texels"

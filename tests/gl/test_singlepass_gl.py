@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from refdof import View, load_scene
-from refdof.methods.singlepass import Params, blur, spiral
+from refdof.methods.singlepass import Params, blur, bounds, spiral
 from tests.gl import shader
 from tests.gl import singlepass as listing
 
@@ -85,6 +85,22 @@ def test_the_listing_on_noise(context):
     # In steps of 1 / 128 every coordinate along x is exact: all taps of all pixels are compared.
     assert not foreign(context, (96, 128)).any()
     assert difference(context, noise(96, 128), "nearest").max() <= TOLERANCE
+
+
+@pytest.mark.parametrize("size", [(320, 240), (317, 239)])
+def test_the_listing_is_within_its_bounds_at_sizes_with_ties(context, size):
+    width, height = size
+    image = noise(height, width)
+    work, textures, uniforms = listing.upload(context, *image, "nearest")
+    shader.draw(work, textures, **uniforms)
+    result = shader.read(work)[..., :3]
+    found = bounds(*image)
+    assert (result >= found.low - TOLERANCE).all()
+    assert (result <= found.high + TOLERANCE).all()
+    off = np.abs(result - blur(*image)).max(axis=-1)
+    print(f"{(off > TOLERANCE).mean():.4f} of the pixels differ from one picture alone, by up to {off.max():.3f}")
+    assert off.max() > 100 * TOLERANCE
+    assert off[~found.ambiguity].max() <= TOLERANCE
 
 
 def test_filtered_depth_on_a_scene(context, fence):

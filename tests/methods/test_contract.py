@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from refdof import METHODS, Camera, InputError, Material, Part, Scene, ThinLens, render
+from refdof import METHODS, Camera, InputError, Material, Part, Scene, Stages, ThinLens, render
 from refdof.methods._contract import Method
 from tests.closed_forms import half_disc
 
@@ -62,6 +62,17 @@ def test_picture_is_finite_float32(name):
     assert image.shape == (16, 24, 3)
     assert image.dtype == np.float32
     assert np.isfinite(image).all()
+
+
+@pytest.mark.parametrize("name", [name for name, module in METHODS.items() if module.METHOD.stages])
+def test_stages_are_those_that_are_declared(name):
+    declared = METHODS[name].METHOD.stages
+    found = render(name, flat_scene(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1))), stages=Stages((1,), ((3, 4),))).stages
+    for stage, array in found.items():
+        (one,) = [entry for entry in declared if entry.names(stage)]
+        assert len(one.axes.split()) == array.ndim
+        assert not one.columns or len(one.columns) == array.shape[-1]
+    assert all(any(entry.names(stage) for stage in found) for entry in declared)
 
 
 @pytest.mark.parametrize("name", METHODS)

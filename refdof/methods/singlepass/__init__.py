@@ -4,8 +4,11 @@ Steps and departures: `method`.
 """
 
 from refdof.methods.singlepass import method
-from refdof.methods.singlepass.method import MAX_BLUR_SIZE, METHOD, Params, blur, render, spiral, texture_reads
+from refdof.methods.singlepass.method import METHOD, blur, render, texture_reads
+from refdof.methods.singlepass.params import MAX_BLUR_SIZE, Params
+from refdof.methods.singlepass.ties import bounds
+from refdof.methods.singlepass.walk import spiral
 
-__all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "render", "spiral", "texture_reads"]
+__all__ = ["MAX_BLUR_SIZE", "METHOD", "Params", "blur", "bounds", "render", "spiral", "texture_reads"]
 
 __doc__ = method.__doc__

@@ -254,7 +254,7 @@ def test_rendering_blurs_the_pinhole_and_shows_its_stages():
     # 1e-6 px: the trip through the camera's angle, a few roundings of numbers near 1.
     np.testing.assert_allclose(trace.stages["coc"], coc, rtol=0, atol=1e-6)
     np.testing.assert_allclose(trace.stages["size"], 3.0, rtol=0, atol=1e-6)
-    assert np.array_equal(trace.stages["taps"], spiral()[:, :2])
+    assert np.array_equal(trace.stages["taps"], spiral())
     assert image.dtype == np.float32
     # 1e-5: slope 1.5 of smoothstep times a size that is 1e-6 px off, and single precision's roundings.
     np.testing.assert_allclose(image, blur(color, depth, coc), rtol=0, atol=1e-5)
