@@ -387,7 +387,7 @@ INNER_MODULES = {
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.tile_bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.texture_sampling",
-    "image.bilinear", "raster.filters.downsample", "raster.filters.n_buffer_levels",
+    "raster.gpu.texture_reads", "image.bilinear", "raster.filters.downsample", "raster.filters.n_buffer_levels",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",

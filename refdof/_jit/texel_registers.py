@@ -1,7 +1,7 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
 1. weigh a few texels               `weigh_texels`
-2. blend four texels                `blend_texels`
+2. blend four texels                `blend_texels`, `blend_to`, `blend_over`
 3. read a circle of nine points     `read_circle`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
@@ -18,7 +18,18 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "blend_texels", "load", "pick", "plain_lerp", "read_circle", "weigh_texels"]
+__all__ = [
+    "INWARD",
+    "blend_over",
+    "blend_texels",
+    "blend_to",
+    "load",
+    "pick",
+    "plain_lerp",
+    "read_circle",
+    "store",
+    "weigh_texels",
+]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
@@ -41,6 +52,12 @@ def load(builder: Any, base: Any, place: Any, lanes: int) -> Any:
     start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
     vector = ir.VectorType(base.type.pointee, lanes)
     return builder.load(builder.bitcast(start, vector.as_pointer()), align=4)
+
+
+def store(builder: Any, vector: Any, base: Any, place: Any) -> None:
+    """Write a vector from texel `place` on."""
+    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
+    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
 
 
 def plain_lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
@@ -152,13 +169,34 @@ def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, a
     signature = types.UniTuple(texels.dtype, 4)(texels, a, b, c, d, texels.dtype, texels.dtype)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        base = context.make_array(texels)(context, builder, arguments[0]).data
-        first, second, third, fourth = (load(builder, base, place, 4) for place in arguments[1:5])
-        wx, wy = (_spread(builder, weight, 4) for weight in arguments[5:7])
-        upper, lower = plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx)
-        read = plain_lerp(builder, upper, lower, wy)
+        read = _blend(builder, context.make_array(texels)(context, builder, arguments[0]).data, *arguments[1:7])
         channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
         return context.make_tuple(builder, signature.return_type, channels)
+
+    return signature, generate
+
+
+def _blend(builder: Any, base: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
+    first, second, third, fourth = (load(builder, base, place, 4) for place in (a, b, c, d))
+    wx, wy = _spread(builder, across, 4), _spread(builder, down, 4)
+    return plain_lerp(builder, plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx), wy)
+
+
+@intrinsic
+def _blend_over(
+    typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any, share: Any, out: Any, k: Any
+) -> Any:
+    kind, whole = texels.dtype, isinstance(share, types.NoneType)
+    signature = types.void(texels, a, b, c, d, kind, kind, share if whole else kind, out, k)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        base, target = (context.make_array(t)(context, builder, arguments[n]).data for t, n in ((texels, 0), (out, 8)))
+        read = _blend(builder, base, *arguments[1:7])
+        if not whole:
+            before = load(builder, target, arguments[9], 4)
+            read = plain_lerp(builder, before, read, _spread(builder, arguments[7], 4))
+        store(builder, read, target, arguments[9])
+        return context.get_dummy_value()
 
     return signature, generate
 
@@ -166,6 +204,16 @@ def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, a
 def _blend_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any) -> tuple[Any, ...]:
     upper, lower = (texels[p] + (texels[q] - texels[p]) * across for p, q in ((a, b), (c, d)))
     return tuple(upper + (lower - upper) * down)
+
+
+def _over_interpreted(
+    texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any, share: Any, out: Any, k: int
+) -> None:
+    out[k] += (_blend_interpreted(texels, a, b, c, d, across, down) - out[k]) * share
+
+
+def _to_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any, out: Any, k: int) -> None:
+    out[k] = _blend_interpreted(texels, a, b, c, d, across, down)
 
 
 def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -198,12 +246,23 @@ def _circle_interpreted(
 
 if JIT_DISABLED:
     blend_texels, read_circle, weigh_texels = _blend_interpreted, _circle_interpreted, _weigh_interpreted
+    blend_over, blend_to = _over_interpreted, _to_interpreted
 else:
 
     @inline
     def blend_texels(texels, a, b, c, d, across, down):
         """Bilinear blend of texels a, b above c, d, every operation rounded: a tuple of four."""
         return _blend_texels(texels, a, b, c, d, across, down)
+
+    @inline
+    def blend_to(texels, a, b, c, d, across, down, out, k):
+        """Write what `blend_texels` gives to texel k of out."""
+        _blend_over(texels, a, b, c, d, across, down, None, out, k)
+
+    @inline
+    def blend_over(texels, a, b, c, d, across, down, share, out, k):
+        """Blend a share of what `blend_texels` gives over texel k of out, every operation rounded."""
+        _blend_over(texels, a, b, c, d, across, down, share, out, k)
 
     @inline
     def weigh_texels(texels, places, weights):
