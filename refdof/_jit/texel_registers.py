@@ -1,7 +1,7 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
 1. weigh a few texels               `weigh_texels`
-2. blend four texels                `blend_texels`, `blend_to`, `blend_over`
+2. blend four texels                `blend_to`, `blend_over`
 3. read a circle of nine points     `read_circle`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
@@ -19,24 +19,17 @@ from numba.extending import intrinsic
 from refdof._jit import JIT_DISABLED, inline
 
 __all__ = [
-    "INWARD",
-    "blend_over",
-    "blend_texels",
-    "blend_to",
-    "load",
-    "pick",
-    "plain_lerp",
-    "read_circle",
-    "store",
+    "INWARD", "blend_four", "blend_over", "blend_to", "load", "pick", "plain_lerp", "read_circle", "spread", "store",
     "weigh_texels",
-]
+]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
 _INDEX = ir.IntType(32)
 
 
-def _spread(builder: Any, value: Any, lanes: int) -> Any:
+def spread(builder: Any, value: Any, lanes: int) -> Any:
+    """A number in all lanes."""
     empty = ir.Constant(ir.VectorType(value.type, lanes), ir.Undefined)
     one = builder.insert_element(empty, value, ir.Constant(_INDEX, 0))
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(_INDEX, lanes), [0] * lanes))
@@ -81,9 +74,9 @@ def _around(builder: Any, place: Any, size: Any) -> tuple[Any, Any]:
     lanes, kind = place.type.count, place.type.element
     zero, one = ir.Constant(_INDEX, 0), ir.Constant(_INDEX, 1)
     small = builder.trunc(size, _INDEX)
-    largest = _spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
+    largest = spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
     last = builder.sub(small, ir.Constant(_INDEX, 2))
-    last = _spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
+    last = spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
     centred = builder.fsub(place, ir.Constant(place.type, [0.5] * lanes))
     border = ir.Constant(place.type, [0.0] * lanes)
     centred = builder.select(builder.fcmp_ordered("<", centred, border), border, centred)
@@ -105,7 +98,7 @@ def _read_circle(
         begin, broad, tall = arguments[1:4]
         vector = ir.VectorType(base.type.pointee, 8)
         offsets = ir.Constant(vector, [*_OFFSETS, 0.0, 0.0, 0.0])
-        u, v, a, b = (_spread(builder, value, 8) for value in arguments[4:8])
+        u, v, a, b = (spread(builder, value, 8) for value in arguments[4:8])
         columns, across = _around(builder, _add_product(builder, offsets, a, u), broad)
         rows, down = _around(builder, _add_product(builder, offsets, b, v), tall)
         rest = builder.fsub(ir.Constant(vector, [1.0] * 8), across)
@@ -132,7 +125,7 @@ def _read_circle(
             top, bottom = (builder.load(builder.bitcast(at, vector.as_pointer()), align=4) for at in starts)
             return _lerp(builder, top, bottom, sink[row])
 
-        near, side, far = (_spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
+        near, side, far = (spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
         upright = builder.fmul(side, builder.fadd(two_rows(1, 0), two_rows(2, 0)))
         total = builder.fmul(_add_product(builder, near, two_rows(0, 0), upright), blend[0])
         beside = builder.fmul(two_rows(0, 1), blend[1])
@@ -156,7 +149,7 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
         total = None
         for k in range(len(places)):
             texel = load(builder, base, builder.extract_value(arguments[1], k), 4)
-            weight = _spread(builder, builder.extract_value(arguments[2], k), 4)
+            weight = spread(builder, builder.extract_value(arguments[2], k), 4)
             total = _add_product(builder, texel, weight, total) if total else builder.fmul(texel, weight)
         channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(4)]
         return context.make_tuple(builder, signature.return_type, channels)
@@ -164,21 +157,10 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
     return signature, generate
 
 
-@intrinsic
-def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
-    signature = types.UniTuple(texels.dtype, 4)(texels, a, b, c, d, texels.dtype, texels.dtype)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        read = _blend(builder, context.make_array(texels)(context, builder, arguments[0]).data, *arguments[1:7])
-        channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
-        return context.make_tuple(builder, signature.return_type, channels)
-
-    return signature, generate
-
-
-def _blend(builder: Any, base: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
+def blend_four(builder: Any, base: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
+    """Blend texels a, b above c, d, every operation rounded."""
     first, second, third, fourth = (load(builder, base, place, 4) for place in (a, b, c, d))
-    wx, wy = _spread(builder, across, 4), _spread(builder, down, 4)
+    wx, wy = spread(builder, across, 4), spread(builder, down, 4)
     return plain_lerp(builder, plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx), wy)
 
 
@@ -191,10 +173,10 @@ def _blend_over(
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         base, target = (context.make_array(t)(context, builder, arguments[n]).data for t, n in ((texels, 0), (out, 8)))
-        read = _blend(builder, base, *arguments[1:7])
+        read = blend_four(builder, base, *arguments[1:7])
         if not whole:
             before = load(builder, target, arguments[9], 4)
-            read = plain_lerp(builder, before, read, _spread(builder, arguments[7], 4))
+            read = plain_lerp(builder, before, read, spread(builder, arguments[7], 4))
         store(builder, read, target, arguments[9])
         return context.get_dummy_value()
 
@@ -245,23 +227,18 @@ def _circle_interpreted(
 
 
 if JIT_DISABLED:
-    blend_texels, read_circle, weigh_texels = _blend_interpreted, _circle_interpreted, _weigh_interpreted
-    blend_over, blend_to = _over_interpreted, _to_interpreted
+    blend_over, blend_to, read_circle = _over_interpreted, _to_interpreted, _circle_interpreted
+    weigh_texels = _weigh_interpreted
 else:
 
     @inline
-    def blend_texels(texels, a, b, c, d, across, down):
-        """Bilinear blend of texels a, b above c, d, every operation rounded: a tuple of four."""
-        return _blend_texels(texels, a, b, c, d, across, down)
-
-    @inline
     def blend_to(texels, a, b, c, d, across, down, out, k):
-        """Write what `blend_texels` gives to texel k of out."""
+        """Write the bilinear blend of texels a, b above c, d to texel k of out, every operation rounded."""
         _blend_over(texels, a, b, c, d, across, down, None, out, k)
 
     @inline
     def blend_over(texels, a, b, c, d, across, down, share, out, k):
-        """Blend a share of what `blend_texels` gives over texel k of out, every operation rounded."""
+        """Blend a share of what `blend_to` writes over what is there."""
         _blend_over(texels, a, b, c, d, across, down, share, out, k)
 
     @inline

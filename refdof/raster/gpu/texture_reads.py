@@ -16,6 +16,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import blend_over, blend_to
+from refdof.image.bilinear import first_of_two, four_around
 from refdof.raster.gpu.texture_sampling import bilinear_at, lerp, split
 
 __all__ = ["Chain", "read_chain"]
@@ -117,9 +118,9 @@ def _find_texels(chain, u, v, work):
     start, width, height = np.int32(chain.start[0]), np.int32(chain.width[0]), np.int32(chain.height[0])
     scale_x, scale_y, ones = chain.scale_x[0], chain.scale_y[0], np.int32(0)
     for k in range(len(u)):
-        column, across[k] = _split(u[k] * scale_x, width)
-        row, down[k] = _split(v[k] * scale_y, height)
-        a[k], b[k], c[k], d[k] = _four(start, width, height, column, row)
+        column, across[k] = first_of_two(u[k] * scale_x, width)
+        row, down[k] = first_of_two(v[k] * scale_y, height)
+        a[k], b[k], c[k], d[k] = four_around(start, width, height, column, row)
         ones = np.int32(ones + np.int32(max(across[k], down[k]) >= 1))
     return ones
 
@@ -132,28 +133,11 @@ def _find_texels_of_levels(chain, u, v, work):
     for k in range(len(u)):
         n = np.uint64(work.level[k])
         start, width, height = np.int32(chain.start[n]), np.int32(chain.width[n]), np.int32(chain.height[n])
-        column, across[k] = _split(u[k] * chain.scale_x[n], width)
-        row, down[k] = _split(v[k] * chain.scale_y[n], height)
-        a[k], b[k], c[k], d[k] = _four(start, width, height, column, row)
+        column, across[k] = first_of_two(u[k] * chain.scale_x[n], width)
+        row, down[k] = first_of_two(v[k] * chain.scale_y[n], height)
+        a[k], b[k], c[k], d[k] = four_around(start, width, height, column, row)
         ones = np.int32(ones + np.int32(max(across[k], down[k]) >= 1))
     return ones
-
-
-@inline
-def _split(x, size):
-    """`split` without a border, in steps that vectorise."""
-    centred = min(max(x - type(x)(0.5), type(x)(0)), type(x)(np.int32(size - 1)))
-    first = np.floor(centred)
-    return np.int32(first), centred - first
-
-
-@inline
-def _four(start, width, height, column, row):
-    """The four texels from (column, row) on; those beyond the last column and row are those there."""
-    upper = np.int32(start + np.int32(width * row))
-    lower = np.int32(upper + (width if row + 1 < height else np.int32(0)))
-    right = np.int32(column + (np.int32(1) if column + 1 < width else np.int32(0)))
-    return np.int32(upper + column), np.int32(upper + right), np.int32(lower + column), np.int32(lower + right)
 
 
 @inline
