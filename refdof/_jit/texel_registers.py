@@ -3,6 +3,7 @@
 1. weigh a few texels               `weigh_texels`
 2. blend four texels                `blend_to`, `blend_over`
 3. read a circle of nine points     `read_circle`
+4. share a texel out                `add_share`, `lay_share`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
 type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
@@ -19,8 +20,8 @@ from numba.extending import intrinsic
 from refdof._jit import JIT_DISABLED, inline
 
 __all__ = [
-    "INWARD", "blend_four", "blend_over", "blend_to", "load", "pick", "plain_lerp", "read_circle", "spread", "store",
-    "weigh_texels",
+    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "lay_share", "load", "pick", "plain_lerp",
+    "read_circle", "spread", "store", "weigh_texels",
 ]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
@@ -141,6 +142,27 @@ def _read_circle(
 
 
 @intrinsic
+def _add_share(typingctx: Any, out: Any, k: Any, texel: Any, share: Any, over: Any) -> Any:
+    kind, blended = out.dtype, not isinstance(over, types.NoneType)
+    signature = types.void(out, k, types.UniTuple(kind, 4), kind, over)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        target = context.make_array(out)(context, builder, arguments[0]).data
+        vector, weight = ir.Constant(ir.VectorType(target.type.pointee, 4), ir.Undefined), arguments[3]
+        for n, value in enumerate(cgutils.unpack_tuple(builder, arguments[2], 4)):
+            vector = builder.insert_element(vector, value, ir.Constant(_INDEX, n))
+        before = load(builder, target, arguments[1], 4)
+        if blended:
+            rest = builder.fsub(ir.Constant(weight.type, 1.0), weight)
+            before = builder.fmul(before, spread(builder, rest, 4))
+        added = builder.fadd(before, builder.fmul(vector, spread(builder, weight, 4)))
+        store(builder, added, target, arguments[1])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
 def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any:
     signature = types.UniTuple(texels.dtype, 4)(texels, places, weights)
 
@@ -198,6 +220,15 @@ def _to_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, do
     out[k] = _blend_interpreted(texels, a, b, c, d, across, down)
 
 
+def _add_interpreted(out: Any, k: int, texel: tuple[Any, ...], share: Any) -> None:
+    out.reshape(-1, 4)[k] += np.array(texel) * share
+
+
+def _lay_interpreted(out: Any, k: int, texel: tuple[Any, ...], share: Any) -> None:
+    flat = out.reshape(-1, 4)
+    flat[k] = flat[k] * (1 - share) + np.array(texel) * share
+
+
 def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(sum(weight * texels[place] for place, weight in zip(places, weights, strict=True)))
 
@@ -228,7 +259,7 @@ def _circle_interpreted(
 
 if JIT_DISABLED:
     blend_over, blend_to, read_circle = _over_interpreted, _to_interpreted, _circle_interpreted
-    weigh_texels = _weigh_interpreted
+    add_share, lay_share, weigh_texels = _add_interpreted, _lay_interpreted, _weigh_interpreted
 else:
 
     @inline
@@ -240,6 +271,16 @@ else:
     def blend_over(texels, a, b, c, d, across, down, share, out, k):
         """Blend a share of what `blend_to` writes over what is there."""
         _blend_over(texels, a, b, c, d, across, down, share, out, k)
+
+    @inline
+    def add_share(out, k, texel, share):
+        """Add a share of a texel, a tuple of four, to texel k of out."""
+        _add_share(out, k, texel, share, None)
+
+    @inline
+    def lay_share(out, k, texel, share):
+        """Lay a texel, a tuple of four, over texel k of out with the share as opacity."""
+        _add_share(out, k, texel, share, True)
 
     @inline
     def weigh_texels(texels, places, weights):

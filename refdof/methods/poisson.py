@@ -36,6 +36,7 @@ from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.tap_registers import add_tap
 from refdof.image.bilinear import first_of_two, four_around
+from refdof.image.channels import joined
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.raster.filters.mip_chain import box_mipmaps
@@ -147,7 +148,7 @@ def _units(small: float) -> float:
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
-    coded = _with_code(color, _code(depth, coc, params))
+    coded = joined(color, _code(depth, coc, params))
     small = _shrink(coded)
     recorder.record("coc", lambda: coc)
     recorder.record("code", lambda: coded[..., 3])
@@ -188,17 +189,6 @@ def _shrink(coded: Float) -> Float:
     quarter, half = coded.dtype.type(0.25), coded.dtype.type(0.5)
     rows = quarter * (edged[:-2] + edged[2:]) + half * edged[1:-1]
     return np.ascontiguousarray(quarter * (rows[:, :-2] + rows[:, 2:]) + half * rows[:, 1:-1])
-
-
-@kernel
-def _with_code(color, code):
-    """Colour and code, one texel: (H, W, 4) of the type of `color`."""
-    out = np.empty((*code.shape, 4), dtype=color.dtype)
-    for y in prange(len(code)):
-        source, row, blur = borrow(color)[y], borrow(out)[y], borrow(code)[y]
-        for x in range(len(blur)):
-            row[x, 0], row[x, 1], row[x, 2], row[x, 3] = source[x, 0], source[x, 1], source[x, 2], blur[x]
-    return out
 
 
 @kernel
