@@ -159,11 +159,20 @@ def _fill(coarse, known, source, fine):
                 row[k] = kept[k]
             continue
         line = _between_rows(borrow(coarse), y)
-        for x in range(len(valid)):
-            near, other = _CHANNELS * (1 + x // 2), _CHANNELS * (x // 2 + (2 if x % 2 else 0))
+        width = len(valid)
+        for x in range(width // 2):
+            k, first, left, right = _CHANNELS * (x + 1), 2 * _CHANNELS * x, valid[2 * x], valid[2 * x + 1]
             for c in range(_CHANNELS):
-                value = _blend(line[near + c], line[other + c])
-                row[_CHANNELS * x + c] = kept[_CHANNELS * x + c] if valid[x] else value
+                value = _blend(line[k + c], line[k - _CHANNELS + c])
+                row[first + c] = kept[first + c] if left else value
+            for c in range(_CHANNELS):
+                value = _blend(line[k + c], line[k + _CHANNELS + c])
+                row[first + _CHANNELS + c] = kept[first + _CHANNELS + c] if right else value
+        if width % 2:
+            k, first = _CHANNELS * (width // 2 + 1), _CHANNELS * (width - 1)
+            for c in range(_CHANNELS):
+                value = _blend(line[k + c], line[k - _CHANNELS + c])
+                row[first + c] = kept[first + c] if valid[width - 1] else value
 
 
 @inline
