@@ -18,14 +18,15 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "blend_texels", "load", "pick", "plain_lerp", "read_circle", "weigh_texels"]
+__all__ = ["INWARD", "blend_texels", "load", "pick", "plain_lerp", "read_circle", "spread", "weigh_texels"]
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
 _INDEX = ir.IntType(32)
 
 
-def _spread(builder: Any, value: Any, lanes: int) -> Any:
+def spread(builder: Any, value: Any, lanes: int) -> Any:
+    """A vector of one number in all lanes."""
     empty = ir.Constant(ir.VectorType(value.type, lanes), ir.Undefined)
     one = builder.insert_element(empty, value, ir.Constant(_INDEX, 0))
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(_INDEX, lanes), [0] * lanes))
@@ -64,9 +65,9 @@ def _around(builder: Any, place: Any, size: Any) -> tuple[Any, Any]:
     lanes, kind = place.type.count, place.type.element
     zero, one = ir.Constant(_INDEX, 0), ir.Constant(_INDEX, 1)
     small = builder.trunc(size, _INDEX)
-    largest = _spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
+    largest = spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
     last = builder.sub(small, ir.Constant(_INDEX, 2))
-    last = _spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
+    last = spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
     centred = builder.fsub(place, ir.Constant(place.type, [0.5] * lanes))
     border = ir.Constant(place.type, [0.0] * lanes)
     centred = builder.select(builder.fcmp_ordered("<", centred, border), border, centred)
@@ -88,7 +89,7 @@ def _read_circle(
         begin, broad, tall = arguments[1:4]
         vector = ir.VectorType(base.type.pointee, 8)
         offsets = ir.Constant(vector, [*_OFFSETS, 0.0, 0.0, 0.0])
-        u, v, a, b = (_spread(builder, value, 8) for value in arguments[4:8])
+        u, v, a, b = (spread(builder, value, 8) for value in arguments[4:8])
         columns, across = _around(builder, _add_product(builder, offsets, a, u), broad)
         rows, down = _around(builder, _add_product(builder, offsets, b, v), tall)
         rest = builder.fsub(ir.Constant(vector, [1.0] * 8), across)
@@ -115,7 +116,7 @@ def _read_circle(
             top, bottom = (builder.load(builder.bitcast(at, vector.as_pointer()), align=4) for at in starts)
             return _lerp(builder, top, bottom, sink[row])
 
-        near, side, far = (_spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
+        near, side, far = (spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
         upright = builder.fmul(side, builder.fadd(two_rows(1, 0), two_rows(2, 0)))
         total = builder.fmul(_add_product(builder, near, two_rows(0, 0), upright), blend[0])
         beside = builder.fmul(two_rows(0, 1), blend[1])
@@ -139,7 +140,7 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
         total = None
         for k in range(len(places)):
             texel = load(builder, base, builder.extract_value(arguments[1], k), 4)
-            weight = _spread(builder, builder.extract_value(arguments[2], k), 4)
+            weight = spread(builder, builder.extract_value(arguments[2], k), 4)
             total = _add_product(builder, texel, weight, total) if total else builder.fmul(texel, weight)
         channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(4)]
         return context.make_tuple(builder, signature.return_type, channels)
@@ -154,7 +155,7 @@ def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, a
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         base = context.make_array(texels)(context, builder, arguments[0]).data
         first, second, third, fourth = (load(builder, base, place, 4) for place in arguments[1:5])
-        wx, wy = (_spread(builder, weight, 4) for weight in arguments[5:7])
+        wx, wy = (spread(builder, weight, 4) for weight in arguments[5:7])
         upper, lower = plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx)
         read = plain_lerp(builder, upper, lower, wy)
         channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
