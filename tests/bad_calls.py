@@ -403,6 +403,7 @@ INNER_MODULES = {
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
+    "methods.lensblur.tile_color", "methods.lensblur.tile_rays", "methods.lensblur.tile_walk",
     "methods.mipmap.anisotropic", "methods.mipmap.upsample",
     "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.fields",
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",

@@ -13,7 +13,7 @@ import pytest
 import refdof
 from refdof import _jit
 from refdof._jit import compile as compile_
-from refdof._jit import tap_registers, texel_registers
+from refdof._jit import tap_registers, texel_registers, texel_sums
 
 pytestmark = pytest.mark.fast
 
@@ -215,6 +215,18 @@ def test_an_interrupt_ends_after_the_running_jobs():
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_weighed_blend_is_added_to_its_row_alone(dtype):
+    # All numbers are binary fractions: no rounding, in float64.
+    texels = (np.random.default_rng(4).integers(0, 256, (7, 4)) / 256.0).astype(dtype)
+    sums = np.arange(12.0).reshape(3, 4)
+    a, b, c, d = texels[[2, 3, 5, 6]].astype(float)
+    expected = sums.copy()
+    expected[1] += 3.0 * (0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d))
+    add(sums, 1, 3.0, texels, 2, 3, 5, 6, dtype(0.25), dtype(0.5))
+    np.testing.assert_array_equal(sums, expected)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_weighed_texels_are_the_sum_of_each_channel(dtype):
     texels, weights = np.random.default_rng(2).random((7, 4)).astype(dtype), tuple(dtype(k) for k in (0.5, 2, 3))
     found = weigh(texels, (6, 0, 3), weights)
@@ -245,6 +257,11 @@ def bilinear(level, u, v):
     y, x = (np.clip(place - 0.5, 0, side - 1) for place, side in zip((v, u), level.shape, strict=False))
     rows, columns = (np.maximum(0, 1 - abs(np.arange(n) - at)) for at, n in ((y, level.shape[0]), (x, level.shape[1])))
     return np.einsum("y,x,yxc->c", rows, columns, level)
+
+
+@_jit.tile_kernel
+def add(sums, k, weight, texels, a, b, c, d, across, down):
+    texel_sums.add_blend(sums, k, weight, texels, a, b, c, d, across, down)
 
 
 @_jit.tile_kernel
