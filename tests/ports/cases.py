@@ -109,7 +109,9 @@ def lay_down(case, folder):
     place = folder / case.name
     for part in ("inputs", "expected"):
         (place / part).mkdir(parents=True)
-    lines = (f"{key} {value:.9g}" if isinstance(value, float) else f"{key} {value}" for key, value in case.params.items())
+    lines = (
+        f"{key} {value:.9g}" if isinstance(value, float) else f"{key} {value}" for key, value in case.params.items()
+    )
     (place / "params.txt").write_text("\n".join(lines) + "\n")
     for name, image in zip(("color", "depth", "coc"), case.inputs, strict=True):
         image.astype("<f4").tofile(place / "inputs" / f"{name}.f32")
@@ -118,7 +120,7 @@ def lay_down(case, folder):
 
 
 def outside(image, case):
-    """How far the worst value of a picture (H, W, 3) is outside of the bounds, in tolerances; not finite is infinite."""
+    """How far the worst value of a picture (H, W, 3) is outside of the bounds, in tolerances; inf where not finite."""
     low, high = case.bounds
     if image.shape != low.shape or not np.isfinite(image).all():
         return np.inf
