@@ -47,6 +47,8 @@ FAULTS = {
     "diameters": ("return abs(coc) * uMaxBlurSize;", "return 2.0 * abs(coc) * uMaxBlurSize;"),
     "depth is not scaled at the tap": ("texture(uDepth, place).r * uFar", "texture(uDepth, place).r"),
     "depth is not scaled at the centre": ("texture(uDepth, texCoord).r * uFar", "texture(uDepth, texCoord).r"),
+    "the limit is the listing's": ("centerSize * uBehindFactor", "centerSize * 2.0"),
+    "the order is by size": ("tapDepth > centerDepth", "tapSize > centerSize"),
     "no limit from behind": ("centerSize * uBehindFactor", "uMaxBlurSize"),
     "the limit of the text": ("centerSize * uBehindFactor", "centerSize"),
     "the other side is limited": ("tapDepth > centerDepth", "tapDepth < centerDepth"),
@@ -89,7 +91,7 @@ def uniforms_of(case):
         "focusScale": case.params["focus_scale"],
         "uMaxBlurSize": case.max_blur_size,
         "uRadScale": case.rad_scale,
-        "uBehindFactor": case.params["behind_factor"],
+        "uBehindFactor": case.behind_factor,
     }
 
 
@@ -113,7 +115,7 @@ def test_a_host_that_feeds_it_wrongly_is_caught(fault, context):
     assert caught(lambda case: picture_of(context, SOURCE, case, uniforms_of(case), fault)) is not None
 
 
-LISTED = [case for case in CASES if (case.max_blur_size, case.rad_scale) == (20.0, 0.5)]
+LISTED = [case for case in CASES if (case.max_blur_size, case.rad_scale, case.behind_factor) == (20.0, 0.5, 2.0)]
 
 
 @pytest.mark.parametrize("case", LISTED, ids=lambda case: case.name)

@@ -26,13 +26,14 @@ _FOCUS_SCALE = 2.2  # per largest blur: circles of -22 .. 21.6 px of 20
 
 @dataclass(frozen=True)
 class Case:
-    """One folder: size (W, H), "down" or "up", and two constants of the listing."""
+    """One folder: size (W, H), "down" or "up", and three constants of the listing."""
 
     width: int
     height: int
     rows: str
     max_blur_size: float
     rad_scale: float
+    behind_factor: float
 
     @property
     def name(self):
@@ -50,7 +51,7 @@ class Case:
             "focus_scale": _FOCUS_SCALE,
             "max_blur_size": self.max_blur_size,
             "rad_scale": self.rad_scale,
-            "behind_factor": 2.0,
+            "behind_factor": self.behind_factor,
         }
 
     @cached_property
@@ -70,7 +71,12 @@ class Case:
 
     @property
     def _method(self):
-        return Params(max_blur_size=self.max_blur_size, rad_scale=self.rad_scale, row_order=self.rows)
+        return Params(
+            max_blur_size=self.max_blur_size,
+            rad_scale=self.rad_scale,
+            behind_factor=self.behind_factor,
+            row_order=self.rows,
+        )
 
     @property
     def _picture(self):
@@ -100,7 +106,7 @@ CASES = [
     Case(width, height, rows, *constants)
     for width, height in ((64, 48), (61, 47))
     for rows in ("down", "up")
-    for constants in ((20.0, 0.5), (6.0, 1.0))
+    for constants in ((20.0, 0.5, 2.0), (6.0, 1.0, 3.0))  # the listing's, and others
 ]
 
 

@@ -39,6 +39,8 @@ FAULTS = {
     "circles are not cut": ("fminf(fabsf(p->coc[texel]), p->max_blur_size)", "fabsf(p->coc[texel])"),
     "near circles are lost": ("fabsf(p->coc[texel])", "fmaxf(p->coc[texel], 0.0f)"),
     "diameters": ("fabsf(p->coc[texel])", "2.0f * fabsf(p->coc[texel])"),
+    "the limit is the listing's": ("p->behind_factor * center_size", "2.0f * center_size"),
+    "the order is by size": ("p->depth[texel] > p->depth[center]", "size > center_size"),
     "no limit from behind": ("p->behind_factor * center_size", "p->max_blur_size"),
     "the limit of the text": ("p->behind_factor * center_size", "1.0f * center_size"),
     "the other side is limited": ("p->depth[texel] > p->depth", "p->depth[texel] < p->depth"),
