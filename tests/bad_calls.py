@@ -390,7 +390,7 @@ for _name, _module in METHODS.items():
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report",
+    "cli", "comparison", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
     "image.arrays", "image.atomic", "export", "options", "warm",
@@ -413,6 +413,10 @@ INNER_MODULES = {
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
+    "refdof.compare.warming_up",
+    "refdof.image.display.levels",
+    "refdof.metrics.perceptual.flip_processes",
+    "refdof.metrics.scores_of_many",
     "refdof.scene.material.as_colors",
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",

@@ -1,7 +1,7 @@
 """The single pass as a GLSL fragment shader, ours and the published listing, within the bounds of small cases.
 
 The listing's text is no part of this repository, since the article states no licence. It is read from the folder
-REFDOF_SEEDS, by default ../shared/seeds beside the repository, as a file whose name begins with 004.
+that REFDOF_SEEDS names, as a file whose name begins with 004.
 """
 
 import os
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.gl
 
 ROOT = Path(__file__).parents[2]
 SOURCE = (ROOT / "ports" / "glsl" / "singlepass.frag").read_text()
-SEEDS = Path(os.environ.get("REFDOF_SEEDS", ROOT.parent / "shared" / "seeds"))
+SEEDS = os.environ.get("REFDOF_SEEDS")
 
 FAULTS = {
     "the loop ends at half its bound": ("radius < uMaxBlurSize;", "radius < 0.5 * uMaxBlurSize;"),
@@ -128,9 +128,9 @@ def test_constants_that_a_host_does_not_set_are_the_listing_s(case, context):
 @pytest.fixture(scope="module")
 def listing():
     """The article's own shader, its one misspelt name mended, in a host's `main`."""
-    found = sorted(SEEDS.glob("004*"))
+    found = sorted(Path(SEEDS).glob("004*")) if SEEDS else []
     if not found:
-        pytest.skip(f"the published listing is not here: no file 004* in {SEEDS}; REFDOF_SEEDS names its folder")
+        pytest.skip("the published listing is no part of the repository: REFDOF_SEEDS names the folder of its text")
     blocks = found[0].read_text(encoding="utf-8").split("```")[1::2]
     (text,) = (block for block in blocks if "uniform sampler2D uTexture" in block)
     return (
