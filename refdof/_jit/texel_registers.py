@@ -21,8 +21,8 @@ from numba.extending import intrinsic
 from refdof._jit import JIT_DISABLED, inline
 
 __all__ = [
-    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "blend_vectors", "lay_share", "load", "pick", "plain_lerp",
-    "read_circle", "spread", "store", "weigh_texels",
+    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "blend_vectors", "lay_share", "load", "pick",
+    "plain_lerp", "read_circle", "spread", "store", "weigh_texels",
 ]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
