@@ -5,13 +5,15 @@ import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
+from importlib.metadata import version
 from threading import Thread
 from typing import Any
 
 import numpy as np
 
 from refdof._check import InputError, as_choice, as_function, as_instance
-from refdof._jit import compilations
+from refdof._jit import JIT_DISABLED, compilations, source_digest
+from refdof._store import stored
 from refdof.comparison import Comparison, Row
 from refdof.methods import METHODS
 from refdof.metrics import scores_of_many
@@ -21,7 +23,7 @@ from refdof.optics.lens import ThinLens
 from refdof.rendering import PRESETS, Result, make_params, render_view
 from refdof.scene.scene import Part, Scene
 from refdof.truth.forecast import Forecast, forecast_of_view
-from refdof.truth.reference import MAX_SAMPLES, reference_of_view
+from refdof.truth.reference import MAX_SAMPLES, Reference, reference_of_view
 from refdof.view import View, view_of
 from refdof.warm import REFERENCE, job_of, warm
 
@@ -95,9 +97,7 @@ def compare(
     warm_up("accumulation", {})  # the reference's kernels are the same
     if tolerance is not None and announce is not None:
         announce(forecast_of_view(view, tolerance, max_samples, seed))
-    truth = reference_of_view(
-        view, samples=samples, tolerance=tolerance, seed=seed, progress=step, max_samples=max_samples
-    )
+    truth, kept = _kept_reference(view, samples, tolerance, seed, max_samples, step)
     results = []
     for k, (name, kind) in enumerate(chosen):
         if k and name != chosen[k - 1][0]:
@@ -133,7 +133,25 @@ def compare(
         truth.seconds,
         truth.noise_floor_psnr,
         tuple(rows),
+        kept,
     )
+
+
+def _kept_reference(
+    view: View, samples: int, tolerance: float | None, seed: int, max_samples: int, progress: Callable[[int, int], None]
+) -> tuple[Reference, bool]:
+    """The reference of a view, from the store if an earlier run made it, and whether it is."""
+    made = []
+
+    def make() -> Reference:
+        made.append(True)
+        return reference_of_view(
+            view, samples=samples, tolerance=tolerance, seed=seed, progress=progress, max_samples=max_samples
+        )
+
+    sources = source_digest(), version("embreex"), JIT_DISABLED
+    shot = view.scene, view.camera, view.lens, samples, tolerance, seed, max_samples
+    return stored("references", (sources, shot), make), not made
 
 
 def _presets(preset: Any) -> list[str]:

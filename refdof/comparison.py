@@ -50,6 +50,7 @@ class Comparison:
     pinhole, reference, standard_error : (H, W, 3) float32, linear RGB
     samples : mean lens samples per pixel of the reference
     noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise
+    kept : whether the reference, and its `seconds`, are of an earlier run of the same
     """
 
     scene: str
@@ -62,3 +63,4 @@ class Comparison:
     seconds: float
     noise_floor_psnr: float
     rows: tuple[Row, ...]
+    kept: bool = False

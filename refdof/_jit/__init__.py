@@ -8,6 +8,8 @@ from refdof._jit.compile import (
     inline,
     kernel,
     prange,
+    results_folder,
+    source_digest,
     tile_kernel,
 )
 from refdof._jit.memory import borrow, call_address, fetch_row, load_int32, store_int32
@@ -25,7 +27,9 @@ __all__ = [
     "kernel",
     "load_int32",
     "prange",
+    "results_folder",
     "run_tasks",
+    "source_digest",
     "store_int32",
     "thread_count",
     "tile_kernel",

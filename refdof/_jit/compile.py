@@ -30,7 +30,18 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 from refdof._jit.lazy import HelperDispatcher, LazyCompiler, lazily
 
-__all__ = ["JIT_DISABLED", "cache_folder", "callback", "compilations", "inline", "kernel", "prange", "tile_kernel"]
+__all__ = [
+    "JIT_DISABLED",
+    "cache_folder",
+    "callback",
+    "compilations",
+    "inline",
+    "kernel",
+    "prange",
+    "results_folder",
+    "source_digest",
+    "tile_kernel",
+]
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
 _KEEP_DAYS = 30
@@ -46,20 +57,19 @@ def _package_folder() -> Path:
     return Path(__file__).parents[__name__.count(".") - 1]
 
 
-def _source_digest(package: Path) -> str:
+def _digest_of(package: Path, rooms: tuple[str, ...], *flags: str) -> str:
     digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
+    for path in sorted(path for room in rooms for path in (package / room).rglob("*.py")):
         digest.update(path.relative_to(package).as_posix().encode())
         digest.update(path.read_bytes())
-    flags = (
-        numba.__version__,
-        platform.machine(),
-        llvm.get_host_cpu_name(),
-        str(numba.config.BOUNDSCHECK),
-        sys.version,
-    )
-    digest.update("|".join(flags).encode())
+    words = (numba.__version__, platform.machine(), llvm.get_host_cpu_name(), *flags, sys.version)
+    digest.update("|".join(words).encode())
     return digest.hexdigest()[:16]
+
+
+def source_digest(*rooms: str) -> str:
+    """A name for what the code in some folders of the package makes on this kind of processor; of all, without any."""
+    return _digest_of(_package_folder(), rooms or ("",), str(np.__version__))
 
 
 def _cache_root() -> Path:
@@ -77,7 +87,7 @@ def _cache_root() -> Path:
 def _open_cache() -> None:
     """Point Numba at this build's own folder and remove folders that nobody used for a month."""
     root = _cache_root()
-    folder = root / _source_digest(_package_folder())
+    folder = root / _digest_of(_package_folder(), ("",), str(numba.config.BOUNDSCHECK))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
@@ -97,6 +107,11 @@ def cache_folder() -> Path | None:
     """Where this build's machine code is kept; None: it is not."""
     folder = numba.config.CACHE_DIR
     return Path(folder) if folder and not JIT_DISABLED else None
+
+
+def results_folder() -> Path | None:
+    """Where results are kept for later runs, of any version; None: there is no cache."""
+    return Path(numba.config.CACHE_DIR).parent / "results" if numba.config.CACHE_DIR else None
 
 
 prange = numba.prange

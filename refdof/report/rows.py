@@ -39,6 +39,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
         "reference": {
             "samples": plain(comparison.samples),
             "seconds": plain(comparison.seconds),
+            "kept": comparison.kept,
             "noise_floor_psnr": plain(comparison.noise_floor_psnr),
         },
         "display": dict(DISPLAY),

@@ -60,7 +60,8 @@ def reference_line(comparison: Comparison) -> str:
     if any(at_noise_floor(row, comparison) for row in comparison.rows):
         noise += "; a method within 3 dB of it is at the noise floor: more samples would raise its score"
     samples = f"{comparison.samples:.1f}".removesuffix(".0")
-    return f"Reference: {samples} samples per pixel, {comparison.seconds:.1f} s, {noise}."
+    seconds = f"{comparison.seconds:.1f} s" + (" in an earlier run" if comparison.kept else "")
+    return f"Reference: {samples} samples per pixel, {seconds}, {noise}."
 
 
 def footnote() -> str:

@@ -10,6 +10,8 @@ from pkgutil import iter_modules
 import numpy as np
 
 from refdof._check import as_choice
+from refdof._jit import source_digest
+from refdof._store import stored
 from refdof.scene.kit.shot import Shot, read_shot, shot_places
 from refdof.scene.scene import Scene
 
@@ -27,7 +29,7 @@ SCENES: tuple[str, ...] = _found()
 
 
 def built_in(name: str) -> Scene:
-    """Make a built-in scene; the same bits at every call.
+    """A built-in scene, made or from the store; the same bits at every call.
 
     Raises
     ------
@@ -35,6 +37,10 @@ def built_in(name: str) -> Scene:
         If there is no such scene, or its file in data/scenes is not as it should be.
     """
     shot = shot_of(name)
+    return stored("scenes", (name, shot, source_digest("scene", "optics")), lambda: _made(name, shot))
+
+
+def _made(name: str, shot: Shot) -> Scene:
     module = import_module(f"{__name__}.{name}")
     parts = module.build(shot, np.random.default_rng(shot.seed))
     light = module.lit(shot) if hasattr(module, "lit") else shot.light
