@@ -78,7 +78,9 @@ def as_float(
             array = array.astype(np.float64)
     wanted = np.dtype(dtype) if dtype is not None else array.dtype
     with np.errstate(over="ignore", invalid="ignore"):
-        suspicious = not np.isfinite(array.sum())  # as it is if a value is not finite: one quick pass
+        suspicious = (finite or not nan) and not np.isfinite(
+            array.sum()
+        )  # as it is if a value is not finite: one quick pass
     if suspicious:
         if not nan and np.isnan(array).any():
             raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")

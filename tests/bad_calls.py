@@ -390,7 +390,7 @@ for _name, _module in METHODS.items():
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report",
+    "cli", "comparison", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
     "image.arrays", "image.atomic", "export", "options", "warm", "oracle", "oracle_cli",
@@ -398,10 +398,12 @@ INNER_MODULES = {
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.tile_bins", "raster.gpu.clip", "raster.gpu.depth_format", "raster.gpu.texture_sampling",
-    "image.bilinear", "raster.filters.downsample", "raster.filters.n_buffer_levels",
+    "raster.gpu.texture_reads", "image.bilinear", "image.channels",
+    "raster.filters.downsample", "raster.filters.n_buffer_levels",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
+    "methods.lensblur.tile_color", "methods.lensblur.tile_rays", "methods.lensblur.tile_walk",
     "methods.mipmap.anisotropic", "methods.mipmap.upsample",
     "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.fields",
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
@@ -411,6 +413,10 @@ INNER_MODULES = {
 }  # fmt: skip
 INNER = {
     "refdof.compare.warm_up",
+    "refdof.compare.warming_up",
+    "refdof.image.display.levels",
+    "refdof.metrics.perceptual.flip_processes",
+    "refdof.metrics.scores_of_many",
     "refdof.scene.material.as_colors",
     "refdof.image.display.encode",
     "refdof.image.display.encode_one",

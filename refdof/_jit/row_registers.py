@@ -15,7 +15,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._jit.texel_registers import load, pick, plain_lerp
+from refdof._jit.texel_registers import load, pick, plain_lerp, store
 
 __all__ = ["blend_along", "blend_squares", "mean_squares"]
 
@@ -31,8 +31,8 @@ def _blend_along(typingctx: Any, row: Any, place: Any, even: Any, k: Any, odd: A
         source, first, second = _bases(context, builder, signature, arguments, (0, 2, 4))
         left, middle = _every_second(builder, source, arguments[1])
         right, _ = _every_second(builder, source, builder.add(arguments[1], ir.Constant(arguments[1].type, 2)))
-        _store(builder, _midway(builder, left, middle), first, arguments[3])
-        _store(builder, _midway(builder, middle, right), second, arguments[5])
+        store(builder, _midway(builder, left, middle), first, arguments[3])
+        store(builder, _midway(builder, middle, right), second, arguments[5])
         return context.get_dummy_value()
 
     return signature, generate
@@ -44,7 +44,7 @@ def _blend_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any,
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         blend, target = _combined(context, builder, signature, arguments, _midway)
-        _store(builder, blend, target, arguments[4])
+        store(builder, blend, target, arguments[4])
         return context.get_dummy_value()
 
     return signature, generate
@@ -56,7 +56,7 @@ def _mean_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, 
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         total, target = _combined(context, builder, signature, arguments, ir.IRBuilder.fadd)
-        _store(builder, builder.fmul(total, ir.Constant(total.type, [0.25] * 16)), target, arguments[4])
+        store(builder, builder.fmul(total, ir.Constant(total.type, [0.25] * 16)), target, arguments[4])
         return context.get_dummy_value()
 
     return signature, generate
@@ -82,11 +82,6 @@ def _every_second(builder: Any, base: Any, place: Any) -> tuple[Any, Any]:
 
 def _midway(builder: Any, a: Any, b: Any) -> Any:
     return plain_lerp(builder, a, b, ir.Constant(a.type, [0.5] * a.type.count))
-
-
-def _store(builder: Any, vector: Any, base: Any, place: Any) -> None:
-    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
-    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
 
 
 def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:

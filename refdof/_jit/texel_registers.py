@@ -1,8 +1,9 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
 1. weigh a few texels               `weigh_texels`
-2. blend four texels                `blend_texels`
+2. blend four texels                `blend_to`, `blend_over`
 3. read a circle of nine points     `read_circle`
+4. share a texel out                `add_share`, `lay_share`
 
 Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight numbers. All numbers are of the texels'
 type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
@@ -18,14 +19,18 @@ from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
 
-__all__ = ["INWARD", "blend_texels", "load", "pick", "plain_lerp", "read_circle", "weigh_texels"]
+__all__ = [
+    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "lay_share", "load", "pick", "plain_lerp",
+    "read_circle", "spread", "store", "weigh_texels",
+]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
 _OFFSETS = (0.0, 1.0, -1.0, INWARD, -INWARD)  # of columns and rows
 _INDEX = ir.IntType(32)
 
 
-def _spread(builder: Any, value: Any, lanes: int) -> Any:
+def spread(builder: Any, value: Any, lanes: int) -> Any:
+    """A number in all lanes."""
     empty = ir.Constant(ir.VectorType(value.type, lanes), ir.Undefined)
     one = builder.insert_element(empty, value, ir.Constant(_INDEX, 0))
     return builder.shuffle_vector(one, empty, ir.Constant(ir.VectorType(_INDEX, lanes), [0] * lanes))
@@ -41,6 +46,12 @@ def load(builder: Any, base: Any, place: Any, lanes: int) -> Any:
     start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
     vector = ir.VectorType(base.type.pointee, lanes)
     return builder.load(builder.bitcast(start, vector.as_pointer()), align=4)
+
+
+def store(builder: Any, vector: Any, base: Any, place: Any) -> None:
+    """Write a vector from texel `place` on."""
+    start = builder.gep(base, [builder.mul(place, ir.Constant(place.type, 4))], inbounds=True)
+    builder.store(vector, builder.bitcast(start, vector.type.as_pointer()), align=4)
 
 
 def plain_lerp(builder: Any, a: Any, b: Any, w: Any) -> Any:
@@ -64,9 +75,9 @@ def _around(builder: Any, place: Any, size: Any) -> tuple[Any, Any]:
     lanes, kind = place.type.count, place.type.element
     zero, one = ir.Constant(_INDEX, 0), ir.Constant(_INDEX, 1)
     small = builder.trunc(size, _INDEX)
-    largest = _spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
+    largest = spread(builder, builder.sitofp(builder.sub(small, one), kind), lanes)
     last = builder.sub(small, ir.Constant(_INDEX, 2))
-    last = _spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
+    last = spread(builder, builder.select(builder.icmp_signed("<", last, zero), zero, last), lanes)
     centred = builder.fsub(place, ir.Constant(place.type, [0.5] * lanes))
     border = ir.Constant(place.type, [0.0] * lanes)
     centred = builder.select(builder.fcmp_ordered("<", centred, border), border, centred)
@@ -88,7 +99,7 @@ def _read_circle(
         begin, broad, tall = arguments[1:4]
         vector = ir.VectorType(base.type.pointee, 8)
         offsets = ir.Constant(vector, [*_OFFSETS, 0.0, 0.0, 0.0])
-        u, v, a, b = (_spread(builder, value, 8) for value in arguments[4:8])
+        u, v, a, b = (spread(builder, value, 8) for value in arguments[4:8])
         columns, across = _around(builder, _add_product(builder, offsets, a, u), broad)
         rows, down = _around(builder, _add_product(builder, offsets, b, v), tall)
         rest = builder.fsub(ir.Constant(vector, [1.0] * 8), across)
@@ -115,7 +126,7 @@ def _read_circle(
             top, bottom = (builder.load(builder.bitcast(at, vector.as_pointer()), align=4) for at in starts)
             return _lerp(builder, top, bottom, sink[row])
 
-        near, side, far = (_spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
+        near, side, far = (spread(builder, builder.extract_value(arguments[8], k), 8) for k in range(3))
         upright = builder.fmul(side, builder.fadd(two_rows(1, 0), two_rows(2, 0)))
         total = builder.fmul(_add_product(builder, near, two_rows(0, 0), upright), blend[0])
         beside = builder.fmul(two_rows(0, 1), blend[1])
@@ -131,6 +142,27 @@ def _read_circle(
 
 
 @intrinsic
+def _add_share(typingctx: Any, out: Any, k: Any, texel: Any, share: Any, over: Any) -> Any:
+    kind, blended = out.dtype, not isinstance(over, types.NoneType)
+    signature = types.void(out, k, types.UniTuple(kind, 4), kind, over)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        target = context.make_array(out)(context, builder, arguments[0]).data
+        vector, weight = ir.Constant(ir.VectorType(target.type.pointee, 4), ir.Undefined), arguments[3]
+        for n, value in enumerate(cgutils.unpack_tuple(builder, arguments[2], 4)):
+            vector = builder.insert_element(vector, value, ir.Constant(_INDEX, n))
+        before = load(builder, target, arguments[1], 4)
+        if blended:
+            rest = builder.fsub(ir.Constant(weight.type, 1.0), weight)
+            before = builder.fmul(before, spread(builder, rest, 4))
+        added = builder.fadd(before, builder.fmul(vector, spread(builder, weight, 4)))
+        store(builder, added, target, arguments[1])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
 def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any:
     signature = types.UniTuple(texels.dtype, 4)(texels, places, weights)
 
@@ -139,7 +171,7 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
         total = None
         for k in range(len(places)):
             texel = load(builder, base, builder.extract_value(arguments[1], k), 4)
-            weight = _spread(builder, builder.extract_value(arguments[2], k), 4)
+            weight = spread(builder, builder.extract_value(arguments[2], k), 4)
             total = _add_product(builder, texel, weight, total) if total else builder.fmul(texel, weight)
         channels = [builder.extract_element(total, ir.Constant(_INDEX, k)) for k in range(4)]
         return context.make_tuple(builder, signature.return_type, channels)
@@ -147,18 +179,28 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
     return signature, generate
 
 
+def blend_four(builder: Any, base: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
+    """Blend texels a, b above c, d, every operation rounded."""
+    first, second, third, fourth = (load(builder, base, place, 4) for place in (a, b, c, d))
+    wx, wy = spread(builder, across, 4), spread(builder, down, 4)
+    return plain_lerp(builder, plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx), wy)
+
+
 @intrinsic
-def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
-    signature = types.UniTuple(texels.dtype, 4)(texels, a, b, c, d, texels.dtype, texels.dtype)
+def _blend_over(
+    typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any, share: Any, out: Any, k: Any
+) -> Any:
+    kind, whole = texels.dtype, isinstance(share, types.NoneType)
+    signature = types.void(texels, a, b, c, d, kind, kind, share if whole else kind, out, k)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        base = context.make_array(texels)(context, builder, arguments[0]).data
-        first, second, third, fourth = (load(builder, base, place, 4) for place in arguments[1:5])
-        wx, wy = (_spread(builder, weight, 4) for weight in arguments[5:7])
-        upper, lower = plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx)
-        read = plain_lerp(builder, upper, lower, wy)
-        channels = [builder.extract_element(read, ir.Constant(_INDEX, k)) for k in range(4)]
-        return context.make_tuple(builder, signature.return_type, channels)
+        base, target = (context.make_array(t)(context, builder, arguments[n]).data for t, n in ((texels, 0), (out, 8)))
+        read = blend_four(builder, base, *arguments[1:7])
+        if not whole:
+            before = load(builder, target, arguments[9], 4)
+            read = plain_lerp(builder, before, read, spread(builder, arguments[7], 4))
+        store(builder, read, target, arguments[9])
+        return context.get_dummy_value()
 
     return signature, generate
 
@@ -166,6 +208,25 @@ def _blend_texels(typingctx: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, a
 def _blend_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any) -> tuple[Any, ...]:
     upper, lower = (texels[p] + (texels[q] - texels[p]) * across for p, q in ((a, b), (c, d)))
     return tuple(upper + (lower - upper) * down)
+
+
+def _over_interpreted(
+    texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any, share: Any, out: Any, k: int
+) -> None:
+    out[k] += (_blend_interpreted(texels, a, b, c, d, across, down) - out[k]) * share
+
+
+def _to_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any, out: Any, k: int) -> None:
+    out[k] = _blend_interpreted(texels, a, b, c, d, across, down)
+
+
+def _add_interpreted(out: Any, k: int, texel: tuple[Any, ...], share: Any) -> None:
+    out.reshape(-1, 4)[k] += np.array(texel) * share
+
+
+def _lay_interpreted(out: Any, k: int, texel: tuple[Any, ...], share: Any) -> None:
+    flat = out.reshape(-1, 4)
+    flat[k] = flat[k] * (1 - share) + np.array(texel) * share
 
 
 def _weigh_interpreted(texels: Any, places: tuple[int, ...], weights: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -197,13 +258,29 @@ def _circle_interpreted(
 
 
 if JIT_DISABLED:
-    blend_texels, read_circle, weigh_texels = _blend_interpreted, _circle_interpreted, _weigh_interpreted
+    blend_over, blend_to, read_circle = _over_interpreted, _to_interpreted, _circle_interpreted
+    add_share, lay_share, weigh_texels = _add_interpreted, _lay_interpreted, _weigh_interpreted
 else:
 
     @inline
-    def blend_texels(texels, a, b, c, d, across, down):
-        """Bilinear blend of texels a, b above c, d, every operation rounded: a tuple of four."""
-        return _blend_texels(texels, a, b, c, d, across, down)
+    def blend_to(texels, a, b, c, d, across, down, out, k):
+        """Write the bilinear blend of texels a, b above c, d to texel k of out, every operation rounded."""
+        _blend_over(texels, a, b, c, d, across, down, None, out, k)
+
+    @inline
+    def blend_over(texels, a, b, c, d, across, down, share, out, k):
+        """Blend a share of what `blend_to` writes over what is there."""
+        _blend_over(texels, a, b, c, d, across, down, share, out, k)
+
+    @inline
+    def add_share(out, k, texel, share):
+        """Add a share of a texel, a tuple of four, to texel k of out."""
+        _add_share(out, k, texel, share, None)
+
+    @inline
+    def lay_share(out, k, texel, share):
+        """Lay a texel, a tuple of four, over texel k of out with the share as opacity."""
+        _add_share(out, k, texel, share, True)
 
     @inline
     def weigh_texels(texels, places, weights):

@@ -34,8 +34,9 @@ import numpy as np
 
 from refdof._check import Float, as_choice, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.texel_registers import blend_texels
-from refdof.image.bilinear import texels_around
+from refdof._jit.tap_registers import add_tap
+from refdof.image.bilinear import first_of_two, four_around
+from refdof.image.channels import joined
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.raster.filters.mip_chain import box_mipmaps
@@ -63,6 +64,7 @@ TAPS = np.array(  # [1], unit disc, y down
 )
 _SMALL = 4  # [1]: the small picture's texels are this many pixels wide
 _SMALL_RADIUS = 0.4  # [1]: radius in its texels, of the radius in pixels
+_PIECE = 256  # pixels of a row at a time: what is kept of them fits the nearest cache
 
 
 @dataclass(frozen=True)
@@ -146,11 +148,10 @@ def _units(small: float) -> float:
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
-    code = _code(depth, coc, params).astype(color.dtype)
-    coded = np.concatenate([color, code[..., None]], axis=-1)
+    coded = joined(color, _code(depth, coc, params))
     small = _shrink(coded)
     recorder.record("coc", lambda: coc)
-    recorder.record("code", lambda: code)
+    recorder.record("code", lambda: coded[..., 3])
     recorder.record("small", lambda: small)
     return _gather(coded, small, TAPS.astype(color.dtype), color.dtype.type(params.max_radius))
 
@@ -159,7 +160,11 @@ def _code(depth: Float, coc: Float, params: Params) -> Float:
     """Blur and its side in 0 .. 1: (H, W) float64."""
     circles = coc.astype(np.float64)
     if params.code == "thin_lens":
-        return 0.5 + 0.5 * np.clip(circles / params.max_radius, -1.0, 1.0)
+        circles /= params.max_radius
+        np.clip(circles, -1.0, 1.0, out=circles)
+        circles *= 0.5
+        circles += 0.5
+        return circles
     least, greatest = np.unravel_index([circles.argmin(), circles.argmax()], circles.shape)
     least, greatest = np.transpose([least, greatest])
     if circles[tuple(least)] == circles[tuple(greatest)]:
@@ -190,43 +195,53 @@ def _shrink(coded: Float) -> Float:
 def _gather(coded, small, taps, max_radius):
     """The shader's loop: coded (H, W, 4), small (h, w, 4) -> (H, W, 3)."""
     height, width = coded.shape[:2]
-    low_height, low_width = small.shape[:2]
-    flat, low_flat = coded.reshape(height * width, 4), small.reshape(low_height * low_width, 4)
+    flat, low_flat = coded.reshape(height * width, 4), small.reshape(small.shape[0] * small.shape[1], 4)
     out = np.empty((height, width, 3), dtype=coded.dtype)
     for y in prange(height):
-        sharp, soft, places = borrow(flat), borrow(low_flat), borrow(taps)
-        scalar = coded.dtype.type
-        half, one, two = scalar(0.5), scalar(1), scalar(2)
-        right, down = scalar(low_width / width), scalar(low_height / height)
-        for x in range(width):
-            center = sharp[y * width + x, 3]
-            radius = abs(two * center - one) * max_radius
-            wide = radius * scalar(_SMALL_RADIUS * _SMALL)
-            u, v = scalar(x) + half, scalar(y) + half
-            red, green, blue, total = scalar(0), scalar(0), scalar(0), scalar(0)
-            for k in range(len(places)):
-                high = _read(sharp, u + places[k, 0] * radius, v + places[k, 1] * radius, height, width)
-                low_u, low_v = (u + places[k, 0] * wide) * right, (v + places[k, 1] * wide) * down
-                low = _read(soft, low_u, low_v, low_height, low_width)
-                blend = abs(two * high[3] - one)
-                code = high[3] + (low[3] - high[3]) * blend
-                weight = one if code >= center else abs(two * code - one)
-                red += weight * (high[0] + (low[0] - high[0]) * blend)
-                green += weight * (high[1] + (low[1] - high[1]) * blend)
-                blue += weight * (high[2] + (low[2] - high[2]) * blend)
-                total += weight
-            if total > scalar(0):
-                out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
-            else:
-                for c in range(3):
-                    out[y, x, c] = sharp[y * width + x, c]
+        sums, around = np.empty((_PIECE, 4), dtype=coded.dtype), np.empty((8, _PIECE), dtype=np.int64)
+        weights, radii = np.empty((4, _PIECE), dtype=coded.dtype), np.empty(_PIECE, dtype=coded.dtype)
+        work = (borrow(sums), borrow(around), borrow(weights), borrow(radii))
+        pictures = (borrow(flat), borrow(low_flat))
+        for first in range(0, width, _PIECE):
+            row = borrow(out)[y, first : min(first + _PIECE, width)]
+            _gather_piece(pictures, (height, width), small.shape, borrow(taps), max_radius, (first, y), work, row)
     return out
 
 
 @inline
-def _read(texels, u, v, height, width):
-    """A bilinear read at u, v [texels from the corner], clamped to the edge: a tuple of four."""
-    x, x1, wx = texels_around(u, width)
-    y, y1, wy = texels_around(v, height)
-    first, second = y * width, y1 * width
-    return blend_texels(texels, first + x, first + x1, second + x, second + x1, wx, wy)
+def _gather_piece(pictures, size, small_size, taps, max_radius, corner, work, out):
+    """Pixels of a row from `corner` on: out (n, 3). Taps outside, pixels inside: loops over pixels vectorise."""
+    (sharp, soft), (first, y), scalar = pictures, corner, out.dtype.type
+    sums, radii, half, count = work[0], work[3], scalar(0.5), len(out)
+    right, down = scalar(small_size[1] / size[1]), scalar(small_size[0] / size[0])
+    for x in range(count):
+        radii[x] = abs(scalar(2) * sharp[y * size[1] + first + x, 3] - scalar(1)) * max_radius
+        for c in range(4):
+            sums[x, c] = scalar(0)
+    for k in range(len(taps)):
+        around, weights, v = work[1], work[2], scalar(y) + half
+        for x in range(count):
+            u, radius = scalar(np.int32(first + x)) + half, radii[x]
+            wide = radius * scalar(_SMALL_RADIUS * _SMALL)
+            places = u + taps[k, 0] * radius, v + taps[k, 1] * radius
+            _look(places, size, 0, around, weights, x)
+            places = (u + taps[k, 0] * wide) * right, (v + taps[k, 1] * wide) * down
+            _look(places, small_size, 4, around, weights, x)
+        for x in range(count):
+            near = around[0, x], around[1, x], around[2, x], around[3, x]
+            far = around[4, x], around[5, x], around[6, x], around[7, x]
+            shares, low_shares = (weights[0, x], weights[1, x]), (weights[2, x], weights[3, x])
+            add_tap(sharp, near, shares, soft, far, low_shares, sharp[y * size[1] + first + x, 3], sums, x)
+    for x in range(count):
+        for c in range(3):
+            total = sums[x, 3]
+            out[x, c] = sums[x, c] / total if total > scalar(0) else sharp[y * size[1] + first + x, c]
+
+
+@inline
+def _look(places, size, n, around, weights, x):
+    """Texels n .. n + 3 of pixel x, and their weights: around places[0], places[1] [texels from the corner]."""
+    column, weights[n // 2, x] = first_of_two(places[0], size[1])
+    row, weights[n // 2 + 1, x] = first_of_two(places[1], size[0])
+    a, b, c, d = four_around(0, np.int32(size[1]), np.int32(size[0]), column, row)
+    around[n, x], around[n + 1, x], around[n + 2, x], around[n + 3, x] = a, b, c, d

@@ -13,7 +13,7 @@ import pytest
 import refdof
 from refdof import _jit
 from refdof._jit import compile as compile_
-from refdof._jit import texel_registers
+from refdof._jit import tap_registers, texel_registers, texel_sums
 
 pytestmark = pytest.mark.fast
 
@@ -215,13 +215,15 @@ def test_an_interrupt_ends_after_the_running_jobs():
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_four_channels_at_once_are_a_bilinear_read_of_each(dtype):
-    texels = np.random.default_rng(1).random((7, 4)).astype(dtype)
-    places = 2, 3, 5, 6
-    found = blend(texels, *places, dtype(0.25), dtype(0.5))
-    a, b, c, d = texels[list(places)].astype(float)
-    expected = 0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d)
-    np.testing.assert_allclose(found, expected, rtol=8 * np.finfo(dtype).eps)  # six roundings
+def test_a_weighed_blend_is_added_to_its_row_alone(dtype):
+    # All numbers are binary fractions: no rounding, in float64.
+    texels = (np.random.default_rng(4).integers(0, 256, (7, 4)) / 256.0).astype(dtype)
+    sums = np.arange(12.0).reshape(3, 4)
+    a, b, c, d = texels[[2, 3, 5, 6]].astype(float)
+    expected = sums.copy()
+    expected[1] += 3.0 * (0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d))
+    add(sums, 1, 3.0, texels, 2, 3, 5, 6, dtype(0.25), dtype(0.5))
+    np.testing.assert_array_equal(sums, expected)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -258,8 +260,8 @@ def bilinear(level, u, v):
 
 
 @_jit.tile_kernel
-def blend(texels, a, b, c, d, across, down):
-    return texel_registers.blend_texels(texels, a, b, c, d, across, down)
+def add(sums, k, weight, texels, a, b, c, d, across, down):
+    texel_sums.add_blend(sums, k, weight, texels, a, b, c, d, across, down)
 
 
 @_jit.tile_kernel
@@ -270,3 +272,48 @@ def weigh(texels, places, weights):
 @_jit.tile_kernel
 def circle(texels, start, width, height, u, v, a, b, shares):
     return texel_registers.read_circle(texels, start, width, height, u, v, a, b, shares)
+
+
+@_jit.tile_kernel
+def add_tap(sharp, near, shares, soft, far, low_shares, center, sums, k):
+    tap_registers.add_tap(sharp, near, shares, soft, far, low_shares, center, sums, k)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("center", [0.0, 0.45, 1.0])
+def test_a_tap_is_blended_by_its_blur_and_weighed(center, dtype):
+    random = np.random.default_rng(5)
+    sharp, soft = random.random((6, 4)).astype(dtype), random.random((5, 4)).astype(dtype)
+    sums = np.ones((2, 4), dtype)
+    add_tap(
+        sharp,
+        (0, 1, 4, 5),
+        (dtype(0.25), dtype(0.5)),
+        soft,
+        (3, 3, 2, 2),
+        (dtype(0.1), dtype(0.75)),
+        dtype(center),
+        sums,
+        1,
+    )
+    high = 0.5 * (sharp[[0, 4]] * 0.75 + sharp[[1, 5]] * 0.25).sum(axis=0)
+    low = 0.25 * soft[3] + 0.75 * soft[2]
+    blur = abs(2 * high[3] - 1)
+    mixed = (1 - blur) * high + blur * low
+    weight = 1 if mixed[3] >= center else abs(2 * mixed[3] - 1)
+    np.testing.assert_allclose(sums[1], 1 + weight * np.array([*mixed[:3], 1]), rtol=20 * np.finfo(dtype).eps)
+    np.testing.assert_array_equal(sums[0], 1)
+
+
+@_jit.tile_kernel
+def blend_rows(texels, across, down, share, out):
+    texel_registers.blend_to(texels, 0, 1, 2, 3, across, down, out, 0)
+    texel_registers.blend_over(texels, 0, 1, 2, 3, across, down, share, out, 1)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_blends_are_written_and_laid_over(dtype):
+    texels, out = np.random.default_rng(6).random((4, 4)).astype(dtype), np.full((2, 4), 2.0, dtype)
+    blend_rows(texels, dtype(0.25), dtype(0.5), dtype(0.75), out)
+    expected = np.array([0.375, 0.125, 0.375, 0.125]) @ texels.astype(float)
+    np.testing.assert_allclose(out, [expected, 0.5 + 0.75 * expected], rtol=16 * np.finfo(dtype).eps)

@@ -1,9 +1,11 @@
 """Layer trace: all lens rays of every pixel, through packed layers, averaged.
 
-1. the rays of a pixel                                       `_aim_thin_lens`
-2. the depths at which they can hit each pack                `refdof.methods.lensblur.footprint`
-3. the nearest hit of each ray over all packs, or a miss     `_hit`
-4. its colour, or its attributes shaded                      `_hit_color`
+All this is done for a tile of neighbouring pixels, one ray of each at a time:
+
+1. the depths at which the pixels' rays can hit each pack    `refdof.methods.lensblur.footprint`
+2. the rays                                                  `refdof.methods.lensblur.tile_rays`
+3. the nearest hit of each over all packs, or a miss         `refdof.methods.lensblur.tile_walk`
+4. its colour, or its attributes shaded                      `refdof.methods.lensblur.tile_color`, `_hit_color`
 
 A ray that meets nothing sees the background where that is certain. It is a miss
 
@@ -19,8 +21,10 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.image.bilinear import bilinear
-from refdof.methods.lensblur.footprint import narrow, ray_bounds
-from refdof.methods.lensblur.texel_walk import PACK, Hit, Ray, enter_picture, first_hit, neighbours, pack_layers
+from refdof.methods.lensblur.texel_walk import Hit, Ray, neighbours, pack_layers
+from refdof.methods.lensblur.tile_color import add_beside, look_beside, new_beside
+from refdof.methods.lensblur.tile_rays import aim, cut_rays, enter, is_missed
+from refdof.methods.lensblur.tile_walk import LANES, PLACES, TILE, new_lanes, walk_tile
 from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection
 from refdof.raster.filters.n_buffer import n_buffer
@@ -31,7 +35,6 @@ __all__ = ["MISSES", "Choices", "Stack", "Traced", "new_stack", "trace_layers"]
 
 MISSES = ("renormalise", "black", "pinhole")
 _RENORMALISE, _BLACK, _PINHOLE = range(3)
-_MISS, _BACKGROUND = -2, -1
 _ROWS_PER_TASK = 4
 
 
@@ -61,12 +64,14 @@ class Choices(NamedTuple):
 
 class _Shared(NamedTuple):
     """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
-    `LensPointSets`; focus [px of parallax]; top (G,): each pack's greatest parallax; misses: an index of `MISSES`.
+    `LensPointSets`; spread: the points' largest coordinate; focus [px of parallax]; top (G,): each pack's greatest
+    parallax; misses: an index of `MISSES`.
     """
 
     points: Float
     weights: Float
     sets: Any
+    spread: float
     focus: float
     top: Float
     stride: int
@@ -137,118 +142,87 @@ def trace_layers(
     scalar: Any = dtype.type
     top = np.maximum(stack.highest.reshape(groups, -1).max(axis=1), -1.0)
     shared = _Shared(
-        points.astype(dtype), pattern.weights, pattern.set, scalar(focus), top, choices.stride, choices.iterations,
-        MISSES.index(choices.misses), bool(choices.linear),
+        points.astype(dtype), pattern.weights, pattern.set, float(np.abs(points).max(initial=0.0)), scalar(focus), top,
+        choices.stride, choices.iterations, MISSES.index(choices.misses), bool(choices.linear),
     )  # fmt: skip
+    tops = np.ascontiguousarray(stack.packs[..., 0])
+    if values.shape[3] == 3:  # a fourth number, which sums up the weights
+        color, values = values, np.ones((*values.shape[:3], 4), dtype=values.dtype)
+        values[..., :3] = color
     stack = stack._replace(extension=scalar(stack.extension))
 
     def band(first: int) -> None:
         last = min(first + _ROWS_PER_TASK, height)
-        _trace_rows(stack, values, surfaces, projection, shared, pinhole, first, last, traced)
+        _trace_rows(stack, tops, values, surfaces, projection, shared, pinhole, first, last, traced)
 
     run_tasks(band, range(0, height, _ROWS_PER_TASK))
     return traced
 
 
 @tile_kernel
-def _trace_rows(stack, values, surfaces, projection, shared, pinhole, first, last, traced):
+def _trace_rows(stack, tops, values, surfaces, projection, shared, pinhole, first, last, traced):
     """Trace rows first .. last - 1."""
     stack = Stack(
         borrow(stack.packs), borrow(stack.lowest), borrow(stack.highest), stack.block, stack.extension, stack.last
     )
-    surfaces, values = borrow_surfaces(surfaces), borrow(values)
+    surfaces, values, tops = borrow_surfaces(surfaces), borrow(values), borrow(tops)
+    texels = values.reshape(-1, values.shape[3])
     points, weights, sets = borrow(shared.points), borrow(shared.weights), shared.sets
-    packs, focus, top, misses = stack.packs, shared.focus, shared.top, shared.misses
-    scalar = packs.dtype.type
-    groups, height, width = packs.shape[:3]
-    rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
-    near, far = np.empty(groups, dtype=packs.dtype), np.empty(groups, dtype=packs.dtype)
+    packs, misses = stack.packs, shared.misses
+    groups, width, scalar = packs.shape[0], packs.shape[2], packs.dtype.type
+    numbers, places = np.empty(LANES * TILE, dtype=packs.dtype), np.empty(PLACES * TILE, dtype=np.uint32)
+    lanes, beside = new_lanes(borrow(numbers), borrow(places)), new_beside(borrow(numbers), borrow(places))
+    chosen, inside, weight = np.empty(TILE, np.int64), np.empty(TILE, np.bool_), np.empty(TILE)
+    sums, missed = np.empty((TILE, 4)), np.empty(TILE)
     for y in range(first, last):
-        for x in range(width):
-            chosen = sets[y % len(sets), x % len(sets)]
-            center = scalar(x) + scalar(0.5), scalar(y) + scalar(0.5), focus
-            _aim_thin_lens(points[chosen], center, rays)
-            inside = _all_inside(rays, max(top.max(), scalar(0.0)), width, height)
-            for group in range(groups):
-                near[group], far[group] = narrow(
-                    stack, group, rays, shared.stride, center, top[group], scalar(0.0), shared.iterations
-                )
-                traced.near[group, y, x], traced.far[group, y, x] = near[group], far[group]
-            total, missed, steps = 0.0, 0.0, 0
-            red = green = blue = 0.0
-            for n in range(rays.shape[1]):
-                weight = weights[chosen, n]
-                if weight == 0.0:
-                    continue
-                ray = Ray(rays[0, n], rays[1, n], rays[2, n], rays[3, n])
-                layer, at_x, at_y, u, walked = _hit(stack, ray, near, far, inside)
-                steps += walked
-                if layer == _MISS:
-                    missed += weight
-                    continue
-                if layer == _BACKGROUND:
-                    r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
+        for left in range(0, width, TILE):
+            count = min(TILE, width - left)
+            near = borrow(traced.near)[:, y, left : left + count]
+            far = borrow(traced.far)[:, y, left : left + count]
+            for k in range(count):
+                chosen[k] = sets[y % len(sets), (left + k) % len(sets)]
+                lanes.center[k], lanes.walked[k] = scalar(left + k) + scalar(0.5), scalar(0.0)
+            within = cut_rays(stack, shared, points, chosen, left, y, near, far, inside)
+            sums[:], missed[:] = 0.0, 0.0
+            for n in range(points.shape[1]):
+                aim(shared.focus, points, weights, chosen, n, y, lanes, weight, count)
+                if not within:
+                    enter(tops[0], shared, inside, lanes, count)
+                for group in range(groups):
+                    walk_tile(packs, group, tops[group], lanes, near[group], far[group], stack.extension)
+                if shared.linear and values.shape[3] == 4:
+                    look_beside(tops[0], lanes, beside, count)
                 else:
-                    hit = Hit(layer, at_x, at_y, u)
-                    r, g, b = _hit_color(surfaces, projection, packs, values, shared.linear, hit, ray)
-                red, green, blue, total = red + weight * r, green + weight * g, blue + weight * b, total + weight
-            if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
-                red += missed * pinhole[y, x, 0]
-                green += missed * pinhole[y, x, 1]
-                blue += missed * pinhole[y, x, 2]
-            if misses != _RENORMALISE or total == 0.0:
-                total += missed
-            image = traced.image[y, x]
-            image[0], image[1], image[2] = red / total, green / total, blue / total
-            traced.steps[y, x], traced.missed[y, x] = steps / rays.shape[1], missed / rays.shape[1]
-
-
-@inline
-def _aim_thin_lens(lens, center, rays):
-    """Rays (4, R): through the pixel's centre at u = focus, apart by the lens points (R, 2) per px of parallax."""
-    for n in range(len(lens)):
-        wx, wy = lens[n, 0], lens[n, 1]
-        rays[0, n], rays[1, n] = center[0] - center[2] * wx, center[1] - center[2] * wy
-        rays[2, n], rays[3, n] = wx, wy
-
-
-@inline
-def _all_inside(rays, near, width, height):
-    """Whether no ray (4, R) leaves the picture between u = near and infinity (u = 0)."""
-    x0, y0, x1, y1 = ray_bounds(rays, 1, near, rays.dtype.type(0.0))
-    return x0 >= 0.0 and y0 >= 0.0 and x1 < width and y1 < height
-
-
-@inline
-def _hit(stack, ray, near, far, inside):
-    """What a ray meets: layer (_BACKGROUND, _MISS), x, y, u, and the texels walked."""
-    packs, last, scalar = stack.packs, stack.last, stack.packs.dtype.type
-    height, width = packs.shape[1], packs.shape[2]
-    border = scalar(np.inf)
-    if not inside:
-        border = enter_picture(width, height, ray)
-        if border < 0.0:
-            return _MISS, 0, 0, border, 0
-        if border < np.inf:
-            x = int(min(max(ray.ax + border * ray.wx, scalar(0.0)), scalar(width - 1)))
-            y = int(min(max(ray.ay + border * ray.wy, scalar(0.0)), scalar(height - 1)))
-            if packs[0, y, x, 0] > border:
-                return _MISS, 0, 0, border, 0
-    layer, x, y, best, steps = _BACKGROUND, 0, 0, scalar(-1.0), 0
-    for group in range(len(packs)):
-        begin, end = min(near[group], border), max(far[group], best)
-        if begin < end:
-            continue
-        slot, at_x, at_y, u, walked = first_hit(packs, group, ray, begin, end, stack.extension)
-        steps += walked
-        if slot >= 0 and u > best:
-            layer, x, y, best = group * PACK + slot, at_x, at_y, u
-    if layer == _BACKGROUND and not (inside and last < 0):
-        if not (0.0 <= ray.ax < width and 0.0 <= ray.ay < height):
-            return _MISS, 0, 0, best, steps
-        if last >= 0 and packs[last // PACK, int(ray.ay), int(ray.ax), last % PACK] > 0.0:
-            return _MISS, 0, 0, best, steps
-    return layer, x, y, best, steps
+                    beside.same[:] = scalar(0.0)
+                for k in range(count):
+                    if beside.same[k] > 0.0:
+                        add_beside(sums, k, weight[k], texels, beside)
+                    elif weight[k] != 0.0:
+                        ray = Ray(lanes.ax[k], lanes.ay[k], lanes.wx[k], lanes.wy[k])
+                        if lanes.layer[k] < 0.0:
+                            if is_missed(stack, ray, lanes.border[k], inside[k]):
+                                missed[k] += weight[k]
+                                continue
+                            r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
+                        else:
+                            hit = Hit(int(lanes.layer[k]), int(lanes.hit_x[k]), int(lanes.hit_y[k]), lanes.best[k])
+                            r, g, b = _hit_color(surfaces, projection, packs, values, shared.linear, hit, ray)
+                        sums[k, 0] += weight[k] * r
+                        sums[k, 1] += weight[k] * g
+                        sums[k, 2] += weight[k] * b
+                        sums[k, 3] += weight[k]
+            for k in range(count):
+                x, (red, green, blue, total) = left + k, (sums[k, 0], sums[k, 1], sums[k, 2], sums[k, 3])
+                if misses == _PINHOLE or (misses == _RENORMALISE and total == 0.0):
+                    red += missed[k] * pinhole[y, x, 0]
+                    green += missed[k] * pinhole[y, x, 1]
+                    blue += missed[k] * pinhole[y, x, 2]
+                if misses != _RENORMALISE or total == 0.0:
+                    total += missed[k]
+                image = traced.image[y, x]
+                image[0], image[1], image[2] = red / total, green / total, blue / total
+                traced.steps[y, x], traced.missed[y, x] = lanes.walked[k] / points.shape[1], missed[k] / points.shape[1]
+    numbers[0], places[0] = scalar(0.0), np.uint32(0)  # memory that is lent must not be freed before
 
 
 @inline

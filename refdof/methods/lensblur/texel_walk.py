@@ -34,10 +34,24 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import inline
 
-__all__ = ["PACK", "Hit", "Ray", "enter_picture", "first_hit", "neighbours", "pack_layers"]
+__all__ = [
+    "PACK",
+    "SAME_SURFACE",
+    "STILL",
+    "Hit",
+    "Pace",
+    "Ray",
+    "Stay",
+    "enter_picture",
+    "first_hit",
+    "neighbours",
+    "pack_layers",
+    "walk_on",
+]
 
 PACK = 4  # [1]: four depths are one RGBA texel
-_SAME_SURFACE = 0.5  # px of parallax between neighbouring texels of one surface
+STILL = 1e-20  # px per px of parallax: a ray slower than this stays in its texel
+SAME_SURFACE = 0.5  # px of parallax between neighbouring texels of one surface
 
 
 class Ray(NamedTuple):
@@ -47,6 +61,26 @@ class Ray(NamedTuple):
     ay: float
     wx: float
     wy: float
+
+
+class Pace(NamedTuple):
+    """A ray's steps from texel to texel, -1, 0 or 1, and 1 / w, or 0 where it makes none."""
+
+    step_x: int
+    step_y: int
+    inverse_x: float
+    inverse_y: float
+
+
+class Stay(NamedTuple):
+    """A ray comes into texel (x, y) at parallax `enter`, out of the last one, after some steps."""
+
+    x: int
+    y: int
+    last_x: int
+    last_y: int
+    enter: float
+    steps: int
 
 
 class Hit(NamedTuple):
@@ -94,16 +128,24 @@ def first_hit(packs, group, ray, near, far, extension):
     packs (G, H, W, 4). The ray is inside the picture at u = near. `far` may cut the walk short: what lies below is not
     looked for.
     """
+    x, step_x, inverse_x = _start(ray.ax, ray.wx, near, packs.shape[2])
+    y, step_y, inverse_y = _start(ray.ay, ray.wy, near, packs.shape[1])
+    pace = Pace(step_x, step_y, inverse_x, inverse_y)
+    return walk_on(packs, group, ray, pace, Stay(x, y, x, y, near, 0), far, extension)
+
+
+@inline
+def walk_on(packs, group, ray, pace, stay, far, extension):
+    """`first_hit` of a ray that has come as far as a `Stay`."""
     scalar, ax, ay = type(ray.ax), ray.ax, ray.ay
     pack = packs[group]
     height, width = pack.shape[0], pack.shape[1]
-    x, step_x, inverse_x = _start(ax, ray.wx, near, width)
-    y, step_y, inverse_y = _start(ay, ray.wy, near, height)
+    step_x, step_y, inverse_x, inverse_y = pace
+    x, y, last_x, last_y, enter, steps = stay
     ahead_x, ahead_y = (
         scalar(0.5) * scalar(1 + step_x),
         scalar(0.5) * scalar(1 + step_y),
     )  # from the texel's corner to its exit
-    enter, steps, last_x, last_y = near, 0, x, y
     while True:
         steps += 1
         leave_x = (scalar(x) + ahead_x - ax) * inverse_x if step_x != 0 else -scalar(np.inf)
@@ -153,7 +195,7 @@ def _start(a, w, near, size):
     """
     scalar = type(a)
     at = math.floor(min(max(a + near * w, scalar(0.0)), scalar(size - 1)))
-    if abs(w) < scalar(1e-20):
+    if abs(w) < scalar(STILL):
         return at, 0, scalar(0.0)
     inverse = scalar(1.0) / w
     step = -1 if w > 0.0 else 1  # u falls along the ray
@@ -190,8 +232,8 @@ def _same_surface(packs, u, layer, x, y, side_x, side_y):
     for group in range(packs.shape[0]):
         for k in range(PACK):
             other = packs[group, side_y, side_x, k]
-            if other < u - scalar(_SAME_SURFACE):
+            if other < u - scalar(SAME_SURFACE):
                 return layer, x, y
-            if other <= u + scalar(_SAME_SURFACE):
+            if other <= u + scalar(SAME_SURFACE):
                 return group * PACK + k, side_x, side_y
     return layer, x, y

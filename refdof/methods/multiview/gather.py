@@ -120,7 +120,8 @@ def _gather_rows(fields, surface, shared, first, last, out):
     surfaces = borrow_surfaces(shared.surfaces)
     points, weights, sets = borrow(shared.pattern.points), borrow(shared.pattern.weights), borrow(shared.pattern.set)
     texels = surface.reshape(len(surface), out.shape[0] * out.shape[1], surface.shape[3])
-    layers = np.empty(len(fields.coc), dtype=np.int64)
+    memory = np.empty(max(len(fields.coc), 1), dtype=np.int64)
+    layers = borrow(memory)
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
@@ -147,6 +148,7 @@ def _gather_rows(fields, surface, shared, first, last, out):
                 red, green, blue = pinhole_light(fields, texels, shared, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
+    memory[0] = 0  # what is lent must not be freed before
 
 
 @inline

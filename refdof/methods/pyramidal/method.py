@@ -41,9 +41,10 @@ import numpy as np
 
 from refdof._check import Float, as_instance, as_integer
 from refdof._jit import kernel, prange
+from refdof.image.channels import joined
 from refdof.methods._contract import LARGEST_RADIUS, Method
 from refdof.methods._image_validation import as_images, within
-from refdof.methods.pyramidal.pyramid import blurred, filled, level_count
+from refdof.methods.pyramidal.pyramid import blurred, empty_levels, filled, level_count
 from refdof.stages import StageRecorder
 from refdof.view import View
 
@@ -143,13 +144,13 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     recorder.record("coc", lambda: coc)
     front, back = _side(-float(coc.min()), params), _side(float(coc.max()), params)
     scalar = color.dtype.type
-    known_all = np.concatenate([color, coc[..., None]], axis=-1)
+    known_all, levels = joined(color, coc), empty_levels(color)
     out = np.zeros((*coc.shape, 4), dtype=color.dtype)
     for i in range(back, -front - 1, -1):
         corners = _corners(i, front, back)
-        layer = filled(known_all, coc >= corners[0])
+        layer = filled(known_all, coc >= corners[0], levels)
         _matte(layer, *(scalar(corner) for corner in corners))
-        layer = blurred(layer, abs(i))
+        layer = blurred(layer, abs(i), levels)
         recorder.record(f"sub-image {i}", lambda layer=layer: layer)  # type: ignore[misc]
         _lay_over(layer, out)
     return _without_opacity(out, color)

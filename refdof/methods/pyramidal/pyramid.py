@@ -8,6 +8,7 @@ References
    Visualization.
 """
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy.typing as npt
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 
-__all__ = ["blurred", "filled", "level_count"]
+__all__ = ["blurred", "empty_levels", "filled", "level_count"]
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
@@ -28,37 +29,45 @@ def level_count(width: int, height: int) -> int:
     return (max(width, height) - 1).bit_length()
 
 
-def blurred(image: Float, levels: int) -> Float:
-    """Downsample `levels` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, 4)."""
-    shapes = []
-    for _ in range(levels):
-        shapes.append(image.shape)
-        coarse = np.empty((*_half(image), _CHANNELS), dtype=image.dtype)
-        _mean_of_16(_flat(image), _flat(coarse))
-        image = coarse
-    for shape in reversed(shapes):
-        fine = np.empty(shape, dtype=image.dtype)
-        _double(_flat(image), _flat(fine))
-        image = fine
-    return image
+def empty_levels(image: Float) -> list[Float]:
+    """Arrays for all levels of an image's pyramid (H, W, 4), of its type: made once, used for many sub-images."""
+    levels = [np.empty((*image.shape[:2], _CHANNELS), dtype=image.dtype)]
+    while max(levels[-1].shape[:2]) > 1:
+        levels.append(np.empty((*_half(levels[-1]), _CHANNELS), dtype=image.dtype))
+    return levels
 
 
-def filled(image: Float, known: Mask) -> Float:
+def blurred(image: Float, count: int, levels: Sequence[Float] = ()) -> Float:
+    """Downsample `count` times by 4 x 4 means, then double as often, blending bilinearly: (H, W, 4).
+
+    `levels`, as of `empty_levels`, are written to; the image may be the first of them. Below one texel they repeat it.
+    """
+    levels = [*(levels or empty_levels(image))]
+    levels += [np.empty_like(levels[-1]) for _ in range(count + 1 - len(levels))]
+    for k in range(count):
+        _mean_of_16(_flat(levels[k] if k else image), _flat(levels[k + 1]))
+    for k in range(count - 1, -1, -1):
+        _double(_flat(levels[k + 1]), _flat(levels[k]))
+    return levels[0] if count else image
+
+
+def filled(image: Float, known: Mask, levels: Sequence[Float] = ()) -> Float:
     """Give pixels that are not `known` (H, W) bool a blend of those that are, from ever coarser levels: (H, W, 4).
 
-    Where nothing is known, everything is 0.
+    Where nothing is known, everything is 0. `levels`, as of `empty_levels`, are written to; the first is returned.
     """
-    images, masks = [np.empty_like(image)], [known]
-    _keep(_flat(image), known, _flat(images[0]))
-    while max(images[-1].shape[:2]) > 1:
-        shape = _half(images[-1])
-        coarse, mask = np.empty((*shape, _CHANNELS), dtype=image.dtype), np.empty(shape, dtype=np.bool_)
-        _mean_of_known(_flat(images[-1]), masks[-1], _flat(coarse), mask)
-        images.append(coarse)
-        masks.append(mask)
-    for k in range(len(images) - 2, -1, -1):
-        _fill(_flat(images[k + 1]), masks[k], _flat(images[k]))
-    return images[0]
+    levels, masks = levels or empty_levels(image), [known]
+    if known.all():
+        levels[0][...] = image
+        return levels[0]
+    for k in range(len(levels) - 1):
+        masks.append(np.empty(levels[k + 1].shape[:2], dtype=np.bool_))
+        _mean_of_known(_flat(levels[k] if k else image), masks[k], _flat(levels[k + 1]), masks[k + 1])
+    if len(levels) == 1:
+        levels[0][...] = np.where(known[..., None], image, 0)
+    for k in range(len(levels) - 2, -1, -1):
+        _fill(_flat(levels[k + 1]), masks[k], _flat(levels[k] if k else image), _flat(levels[k]))
+    return levels[0]
 
 
 def _half(image: Float) -> tuple[int, int]:
@@ -68,17 +77,6 @@ def _half(image: Float) -> tuple[int, int]:
 def _flat(image: Float) -> Float:
     """The same memory, a texel's channels side by side in its row: (H, W C). Fixed steps let loops vectorise."""
     return image.reshape(image.shape[0], -1)
-
-
-@kernel
-def _keep(image, known, kept):
-    """Copy texels that are known; 0 for others."""
-    for y in prange(len(image)):
-        source, valid, row = image[y], known[y], kept[y]
-        for x in range(len(valid)):
-            for c in range(_CHANNELS):
-                value = source[_CHANNELS * x + c]
-                row[_CHANNELS * x + c] = value if valid[x] else image.dtype.type(0)
 
 
 @kernel
@@ -105,31 +103,32 @@ def _mean_of_16(fine, coarse):
 
 @kernel
 def _mean_of_known(fine, known, coarse, mask):
-    """2 x 2 texels, of those that are known. Those that are not are 0."""
+    """2 x 2 texels, of those that are known: the upper two first, 0 where none is."""
     height, length = fine.shape
     width = length // _CHANNELS
     for y in prange(len(coarse)):
-        source, valid, row = borrow(fine), borrow(known), coarse[y]
-        two = 2 * y + 1 < height
+        source, valid, row, some = borrow(fine), borrow(known), borrow(coarse)[y], borrow(mask)[y]
+        two, zero = 2 * y + 1 < height, fine.dtype.type(0)
         top, low = source[2 * y], source[min(2 * y + 1, height - 1)]
         top_valid, low_valid = valid[2 * y], valid[min(2 * y + 1, height - 1)]
         for x in range(width // 2):
-            count = int(top_valid[2 * x]) + int(top_valid[2 * x + 1])
-            if two:
-                count += int(low_valid[2 * x]) + int(low_valid[2 * x + 1])
-            mask[y, x] = count > 0
-            some, first = fine.dtype.type(max(count, 1)), 2 * _CHANNELS * x
+            p, q = top_valid[2 * x], top_valid[2 * x + 1]
+            r, s = two and low_valid[2 * x], two and low_valid[2 * x + 1]
+            count = int(p) + int(q) + int(r) + int(s)
+            some[x], first = count > 0, 2 * _CHANNELS * x
+            share = fine.dtype.type(max(count, 1))
             for c in range(_CHANNELS):
-                total = top[first + c] + top[first + _CHANNELS + c]
-                if two:
-                    total = (total + low[first + c]) + low[first + _CHANNELS + c]
-                row[_CHANNELS * x + c] = total / some
+                total = (top[first + c] if p else zero) + (top[first + _CHANNELS + c] if q else zero)
+                total += low[first + c] if r else zero
+                total += low[first + _CHANNELS + c] if s else zero
+                row[_CHANNELS * x + c] = total / share
         if width % 2:
             x = width - 1
-            count = int(top_valid[x]) + (int(low_valid[x]) if two else 0)
-            mask[y, x // 2] = count > 0
+            p, r = top_valid[x], two and low_valid[x]
+            count = int(p) + int(r)
+            some[x // 2] = count > 0
             for c in range(_CHANNELS):
-                total = top[_CHANNELS * x + c] + (low[_CHANNELS * x + c] if two else fine.dtype.type(0))
+                total = (top[_CHANNELS * x + c] if p else zero) + (low[_CHANNELS * x + c] if r else zero)
                 row[_CHANNELS * (x // 2) + c] = total / fine.dtype.type(max(count, 1))
 
 
@@ -151,18 +150,29 @@ def _double(coarse, fine):
 
 
 @kernel
-def _fill(coarse, known, fine):
-    """Fill texels of fine that are not known."""
+def _fill(coarse, known, source, fine):
+    """Write texels that are known from the source, which may be fine itself, and others from between coarse ones."""
     for y in prange(len(fine)):
-        row, valid = fine[y], known[y]
+        row, kept, valid = borrow(fine)[y], borrow(source)[y], borrow(known)[y]
         if valid.all():
+            for k in range(len(row)):
+                row[k] = kept[k]
             continue
         line = _between_rows(borrow(coarse), y)
-        for x in range(len(valid)):
-            near, other = _CHANNELS * (1 + x // 2), _CHANNELS * (x // 2 + (2 if x % 2 else 0))
+        width = len(valid)
+        for x in range(width // 2):
+            k, first, left, right = _CHANNELS * (x + 1), 2 * _CHANNELS * x, valid[2 * x], valid[2 * x + 1]
             for c in range(_CHANNELS):
-                value = _blend(line[near + c], line[other + c])
-                row[_CHANNELS * x + c] = row[_CHANNELS * x + c] if valid[x] else value
+                value = _blend(line[k + c], line[k - _CHANNELS + c])
+                row[first + c] = kept[first + c] if left else value
+            for c in range(_CHANNELS):
+                value = _blend(line[k + c], line[k + _CHANNELS + c])
+                row[first + _CHANNELS + c] = kept[first + _CHANNELS + c] if right else value
+        if width % 2:
+            k, first = _CHANNELS * (width // 2 + 1), _CHANNELS * (width - 1)
+            for c in range(_CHANNELS):
+                value = _blend(line[k + c], line[k - _CHANNELS + c])
+                row[first + c] = kept[first + c] if valid[width - 1] else value
 
 
 @inline

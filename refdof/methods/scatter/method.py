@@ -31,6 +31,7 @@ import numpy as np
 
 from refdof._check import Float, Index, as_choice, as_instance
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.texel_registers import add_share, lay_share
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.scatter.disc import LARGEST_DISC, covered_in_row, inner_count, outer_count, start_of_arc
@@ -41,6 +42,7 @@ __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
 
 _BAND = 64  # rows
+_KEPT = 64  # px, reach of the largest disc whose areas are kept for the next, which may be as large
 
 
 @dataclass(frozen=True)
@@ -139,50 +141,74 @@ def _scatter(color, discs, over):
     """Sums (H, W, 4) of shared colours and of shares."""
     height, width = color.shape[0], color.shape[1]
     places, rows, radii = discs.place, discs.row, discs.radius
-    sums = np.zeros((height, width, 4), dtype=np.float64)
+    sums = np.zeros((height, 4 * width), dtype=np.float64)
     for band in prange((height + _BAND - 1) // _BAND):
         colors, out, centre, ys, rs = borrow(color), borrow(sums), borrow(places), borrow(rows), borrow(radii)
         first, end = band * _BAND, min((band + 1) * _BAND, height)
-        arcs, disc_of_arc, shares = np.zeros(width), np.full(width, -1), np.zeros(width)
+        size, disc, last = max(width, _KEPT + 2), -1, -1.0
+        arcs, disc_of_arc = np.zeros(size), np.full(size, -1)
+        areas, counts, disc_of_row = (
+            np.zeros((_KEPT + 1, size)),
+            np.zeros((_KEPT + 1, 2), np.int64),
+            np.full(_KEPT + 1, -1),
+        )
         for k in range(len(ys)):
             y, r = np.int64(ys[k]), rs[k]
             reach = int(np.floor(r + 0.5))
             if y + reach < first or y - reach >= end:
                 continue
+            if r != last:
+                disc, last = k, r
             x = centre[k] - y * width
-            red, green, blue = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2])
             even = 1.0 / (math.pi * r * r) if reach > 0 else 1.0
-            widest = max(x, width - 1 - x) + 1
-            # Rows j above and below the centre are alike.
-            nearest = max(first - y, y - end + 1, 0)
-            low = start_of_arc(max(nearest - 0.5, 0.0), r) if reach > 0 else (0.0, 0.0)
-            for j in range(nearest, min(max(y - first, end - 1 - y), reach) + 1):
-                inner, outer = inner_count(j, r), min(outer_count(j, r), widest)
-                if reach > 0:
-                    high = start_of_arc(j + 0.5, r)
-                    covered_in_row(j, r, inner, outer, low, high, k, arcs, disc_of_arc, shares)
-                    low = high
-                else:
-                    inner, outer = 1, 1
-                for side in range(2 if j > 0 else 1):
-                    row = y + j if side == 0 else y - j
-                    if row < first or row >= end:
-                        continue
-                    for column in range(max(x - inner + 1, 0), min(x + inner, width)):
-                        _add(out[row, column], red, green, blue, even, over)
-                    for i in range(inner, outer):
-                        if x + i < width:
-                            _add(out[row, x + i], red, green, blue, even * shares[i], over)
-                        if i > 0 and x - i >= 0:
-                            _add(out[row, x - i], red, green, blue, even * shares[i], over)
-    return sums
+            tint = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2]), even
+            low, row_of_low, widest = (0.0, 0.0), -1, max(x, width - 1 - x) + 1
+            # Rows j above and below the centre are alike, and those of the next disc, if it is as large.
+            for j in range(max(first - y, y - end + 1, 0), min(max(y - first, end - 1 - y), reach) + 1):
+                n = j if reach <= _KEPT else 0
+                if reach == 0:
+                    counts[n, 0], counts[n, 1], disc_of_row[n] = 1, 1, disc
+                elif reach > _KEPT or disc_of_row[n] != disc:
+                    if row_of_low != j:
+                        low = start_of_arc(max(j - 0.5, 0.0), r)
+                    inner, outer, high = inner_count(j, r), outer_count(j, r), start_of_arc(j + 0.5, r)
+                    outer = outer if reach <= _KEPT else min(outer, widest)
+                    covered_in_row(j, r, inner, outer, low, high, disc, arcs, disc_of_arc, areas[n])
+                    low, row_of_low = high, j + 1
+                    counts[n, 0], counts[n, 1], disc_of_row[n] = inner, outer, disc
+                _share_rows(out, (first, end), x, y, j, counts[n, 0], counts[n, 1], areas[n], tint, over)
+    return sums.reshape(height, width, 4)
 
 
 @inline
-def _add(pixel, red, green, blue, share, over):
-    """Add a share of a colour, or blend it over what is there."""
-    kept = 1.0 - share if over else 1.0
-    pixel[0] = pixel[0] * kept + red * share
-    pixel[1] = pixel[1] * kept + green * share
-    pixel[2] = pixel[2] * kept + blue * share
-    pixel[3] = pixel[3] * kept + share
+def _share_rows(out, band, x, y, j, inner, outer, areas, tint, over):
+    """Add a disc's shares of the rows j above and below its centre (x, y), as far as they lie in the band."""
+    width = out.shape[1] // 4
+    begin, end = max(x - inner + 1, 0), min(x + inner, width)
+    right, left = min(x + outer, width) - (x + inner), min(outer, x + 1) - inner
+    for side in range(2 if j > 0 else 1):
+        row = y + j if side == 0 else y - j
+        if row < band[0] or row >= band[1]:
+            continue
+        line = out[row]
+        inside = line[4 * begin : 4 * max(end, begin)]
+        for i in range(len(inside) // 4):
+            _add(inside, i, tint, tint[3], over)
+        if right > 0:
+            outside = line[4 * (x + inner) : 4 * (x + inner + right)]
+            for i in range(len(outside) // 4):
+                _add(outside, i, tint, tint[3] * areas[inner + i], over)
+        if left > 0:
+            outside = line[4 * (x - inner - left + 1) : 4 * (x - inner + 1)]
+            for i in range(1 if inner == 0 else 0, left):  # the centre has its share
+                _add(outside, left - 1 - i, tint, tint[3] * areas[inner + i], over)
+
+
+@inline
+def _add(line, i, tint, share, over):
+    """Add a share of a colour to pixel i of a line, or blend it over what is there."""
+    red, green, blue, _ = tint
+    if over:
+        lay_share(line, i, (red, green, blue, 1.0), share)
+    else:
+        add_share(line, i, (red, green, blue, 1.0), share)

@@ -18,9 +18,13 @@ import numpy as np
 from refdof._check import Float, Index, InputError, as_float, as_instance, shape_of
 from refdof._jit import kernel, prange
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel, decode_unorm
-from refdof.raster.gpu.texture_sampling import read_level, read_points, rules_of
+from refdof.raster.gpu.texture_reads import Chain, read_chain
+from refdof.raster.gpu.texture_sampling import rules_of
 
 __all__ = ["as_texture", "at_texels", "bilinear", "fetch", "level_of_detail", "trilinear"]
+
+
+_NO_LEVELS = np.zeros(0)
 
 
 def fetch(image: Any, x: Any, y: Any, model: GpuModel = EXACT) -> Float:
@@ -67,8 +71,14 @@ def bilinear(image: Any, u: Any, v: Any, model: GpuModel = EXACT, border: Any = 
         If the image is not a texture, a coordinate is not finite, or shapes disagree.
     """
     image = as_texture("image", image, model)
-    u, v = _coordinates(model, u=u, v=v)
-    return at_texels(image, u, v, model, border, (image.shape[1], image.shape[0]))
+    if _in_integers(image, model, border):
+        x, y = _coordinates(model, u=u, v=v)
+        return at_texels(image, x, y, model, border, (image.shape[1], image.shape[0]))
+    x, y = _coordinates(model, later=True, u=u, v=v)
+    read, finite = _read([image], x, y, _NO_LEVELS, model, border, [(image.shape[1], image.shape[0])])
+    if not finite:
+        _coordinates(model, u=u, v=v)
+    return read
 
 
 def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel = EXACT, border: Any = None) -> Float:
@@ -105,20 +115,15 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
         raise InputError("levels: allowed is a list of one or more images with the same type and number of channels")
     u, v, lod = _coordinates(model, u=u, v=v, lod=lod)
-    shape, u, v, lod = u.shape, u.ravel(), v.ravel(), lod.ravel()
-    whole_bytes = images[0].dtype == np.uint8 and model.integer_unorm8 and border is None
     lod = np.clip(lod, 0, len(images) - 1)
     if model.filter_bits:
         lod = np.floor(lod * lod.dtype.type(256) + lod.dtype.type(0.5)) / lod.dtype.type(256)
-    if whole_bytes:
-        return _trilinear_bytes(images, u, v, lod, model).reshape(*shape, images[0].shape[2])
-    out = np.empty((len(u), images[0].shape[2]), dtype=np.float64 if images[0].dtype == np.float64 else np.float32)
-    rounded, bordered = model.filter_bits > 0, border is not None
-    with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
-        for k in range(int(lod.min()), math.ceil(lod.max()) + 1) if len(lod) else ():
-            texels, colour = _as_floats(images[k], border, model)
-            read_level(texels, k, (u, v, lod), rounded, colour, bordered, rules_of(model), out)
-    return out.reshape(*shape, images[0].shape[2])
+    if _in_integers(images[0], model, border):
+        read = _trilinear_bytes(images, u.ravel(), v.ravel(), lod.ravel(), model)
+        return read.reshape(*u.shape, images[0].shape[2])
+    least, most = (int(lod.min()), math.ceil(lod.max())) if lod.size else (0, 0)
+    images, lod = images[least : most + 1], lod - lod.dtype.type(least)
+    return _read(images, u, v, lod, model, border, [(image.shape[1], image.shape[0]) for image in images])[0]
 
 
 def level_of_detail(squared: Any, model: GpuModel = EXACT, bias: Any = 0.0) -> Float:
@@ -163,27 +168,44 @@ def at_texels(
 ) -> Float:
     """`bilinear` at x, y, which times `scale` are texels from the image's corner; nothing but `border` is checked."""
     height, width, channels = image.shape
-    scale_x, scale_y = x.dtype.type(scale[0]), x.dtype.type(scale[1])
-    if image.dtype == np.uint8 and model.integer_unorm8 and border is None:
+    if _in_integers(image, model, border):
         with np.errstate(over="ignore"):  # far outside
-            x, y = x * scale_x, y * scale_y
+            x, y = (place * x.dtype.type(factor) for place, factor in zip((x, y), scale, strict=True))
         whole = _filter_bytes(image, _fixed(x, width).ravel(), _fixed(y, height).ravel())
         return decode_unorm(whole, 255, model).reshape(*x.shape, channels)
-    texels, colour = _as_floats(image, border, model)
-    rounded, bordered = model.filter_bits > 0, border is not None
-    with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
-        out = read_points(texels, x.ravel(), y.ravel(), scale_x, scale_y, rounded, colour, bordered, rules_of(model))
-    return out.reshape(*x.shape, channels)
+    return _read([image], x, y, _NO_LEVELS, model, border, [scale])[0]
 
 
-def _as_floats(image: Any, border: Any, model: GpuModel) -> tuple[Float, Float]:
-    """The image as floats, and the border's colour (C,) of the same type."""
-    channels = image.shape[2]
-    kind = np.float32 if image.dtype == np.float32 else np.float64
+def _in_integers(image: Any, model: GpuModel, border: Any) -> bool:
+    return bool(image.dtype == np.uint8 and model.integer_unorm8 and border is None)
+
+
+def _read(
+    images: Sequence[Any],
+    u: Float,
+    v: Float,
+    lod: Float,
+    model: GpuModel,
+    border: Any,
+    scales: Sequence[tuple[int, int]],
+) -> tuple[Float, bool]:
+    """Reads (..., C) at u, v (...), which times each level's scale are in its texels; and whether u, v are finite."""
+    channels, real = images[0].shape[2], u.dtype
+    kind = np.float32 if images[0].dtype == np.float32 else np.float64
     colour = np.zeros(channels) if border is None else as_float("border", border, (channels,), dtype=kind)
-    if image.dtype == np.uint8:
-        image, colour = _decoded(image, model), np.clip(colour, 0.0, 1.0)
-    return image, colour.astype(image.dtype)
+    if images[0].dtype == np.uint8:
+        colour = np.clip(colour, 0.0, 1.0)
+    levels = [_decoded(image, model).reshape(-1, channels) for image in images]
+    texels = levels[0] if len(levels) == 1 else np.concatenate(levels)
+    height, width = np.array([image.shape[:2] for image in images], dtype=np.int64).T.copy()
+    start = np.concatenate([[0], np.cumsum(height * width)[:-1]])
+    chain = Chain(texels, start, width, height, *np.array(scales, dtype=real).T.copy())
+    rounded, colour, bordered = model.filter_bits > 0, colour.astype(texels.dtype), border is not None
+    out = np.empty((u.size, channels), dtype=texels.dtype)
+    points = u.ravel(), v.ravel(), lod.ravel().astype(real, copy=False)
+    with np.errstate(over="ignore", invalid="ignore"):  # far outside; infinite texels
+        finite = read_chain(chain, points, rounded, colour, bordered, rules_of(model), out)
+    return out.reshape(*u.shape, channels), bool(finite)
 
 
 def _trilinear_bytes(images: Sequence[Any], u: Float, v: Float, lod: Float, model: GpuModel) -> Float:
@@ -228,10 +250,10 @@ def _decoded(image: Any, model: GpuModel) -> Float:
     return decode_unorm(image, 255, model) if image.dtype == np.uint8 else image
 
 
-def _coordinates(model: GpuModel, **values: Any) -> list[Float]:
-    """Finite arrays of one shape, in the type in which `model` computes coordinates."""
-    dtype = np.float64 if model == EXACT else np.float32
-    return _matched(**{name: as_float(name, v, shape_of(name, v), dtype=dtype) for name, v in values.items()})
+def _coordinates(model: GpuModel, later: bool = False, **values: Any) -> list[Float]:
+    """Arrays of one shape, in the type in which `model` computes coordinates; finite, if that is not seen later."""
+    how: dict[str, Any] = {"dtype": np.float64 if model == EXACT else np.float32, "finite": not later, "nan": later}
+    return _matched(**{name: as_float(name, v, shape_of(name, v), **how) for name, v in values.items()})
 
 
 def _matched(**arrays: Any) -> list[Any]:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from refdof import InputError, ThinLens, View
 from refdof.methods.lensblur.layer_trace import Choices, new_stack, trace_layers
 from refdof.methods.lensblur.method import FOOTPRINTS
+from refdof.methods.lensblur.tile_walk import TILE
 from refdof.optics.pixel_samples import LensPointSets
 from refdof.rendering import make_params, render_view
 from tests import flat_scene
@@ -83,6 +84,12 @@ def test_every_ray_meets_what_an_exhaustive_march_meets(seed, size, footprint, i
 @pytest.mark.parametrize("seed", range(6))
 def test_float32_meets_the_same(seed):
     ours, image, edge = picture(seed, (8, 6), np.float32)
+    np.testing.assert_allclose(ours.image[~edge], image[~edge], atol=2e-7)  # as above
+    assert edge.mean() < 0.2
+
+
+def test_a_row_of_more_than_one_tile():
+    ours, image, edge = picture(1, (TILE + 3, 2), np.float32)
     np.testing.assert_allclose(ours.image[~edge], image[~edge], atol=2e-7)  # as above
     assert edge.mean() < 0.2
 

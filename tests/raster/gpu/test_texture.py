@@ -48,6 +48,27 @@ def test_reads_are_those_of_fractions(shape, border, dtype, tolerance):
     assert np.abs(result - wanted).max() <= tolerance
 
 
+@pytest.mark.parametrize("channels", [2, 4])
+def test_many_points_and_few_that_meet_an_infinite_texel(channels):
+    levels = generate_mipmaps(noise((9, 6), np.float32, channels))
+    levels[0][7, 4, 1] = np.inf
+    u, v = np.random.default_rng(44).uniform(-0.1, 1.1, (2, 1100))
+    u[:900], lod = u[:900] * 0.4, np.random.default_rng(45).uniform(0, 1.5, 1100)
+    lod[::3] = np.round(lod[::3])
+    met = (np.abs(u * 6 - 4.5) < 1) & (np.abs(v * 9 - 7.5) < 1)
+    assert met.any()
+    assert not met[:900].any()
+    levels_without = [np.where(np.isfinite(level), level, np.float32(0.5)) for level in levels]
+    for reads, level_of_point in ((bilinear(levels[0], u, v), 0.0), (trilinear(levels, u, v, lod), lod)):
+        inside = met & (np.broadcast_to(level_of_point, met.shape) < 1)
+        assert np.array_equal(~np.isfinite(reads[:, 1]), inside)
+        places = zip(u, v, np.broadcast_to(level_of_point, met.shape), strict=True)
+        wanted = np.array([[float(c) for c in naive.trilinear(levels_without, *at)] for at in places])
+        others = np.delete(np.arange(channels), 1)
+        assert np.abs(reads - wanted)[~inside].max() <= 5e-7
+        assert np.abs(reads - wanted)[:, others].max() <= 5e-7
+
+
 @every_model
 def test_a_constant_stays(model):
     levels = generate_mipmaps(np.full((6, 5, 2), 0.3, dtype=np.float32), model)
