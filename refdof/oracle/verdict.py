@@ -50,5 +50,6 @@ def judge(values: Float, low: Float, high: Float, tolerance: Tolerance) -> Findi
     place = np.unravel_index(int(np.argmax(np.where(np.isnan(ratio), np.inf, ratio))), ratio.shape)
     rows, columns = np.nonzero(bad.reshape(*bad.shape[:2], -1).any(axis=-1))
     box = (int(columns.min()), int(rows.min()), int(columns.max()), int(rows.max())) if len(rows) else None
-    numbers = (float(part[place]) for part in (values, low, high))
-    return Finding(status, float(ratio[place]), int(bad.sum()), (int(place[1]), int(place[0])), *numbers, box)
+    got, least, most = (float(part[place]) for part in (values, low, high))
+    pixel = int(place[1]), int(place[0])
+    return Finding(status, float(ratio[place]), int(bad.sum()), pixel, got, least, most, box)
