@@ -13,7 +13,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._jit.texel_registers import blend_to, load, pick, plain_lerp, spread, store
+from refdof._jit.texel_registers import blend_to, blend_vectors, load, pick, plain_lerp, spread, store
 
 __all__ = ["add_tap"]
 
@@ -32,9 +32,9 @@ def _add_tap(
         places = zip(*(cgutils.unpack_tuple(builder, arguments[n], 4) for n in (1, 4)), strict=True)
         shares = zip(*(cgutils.unpack_tuple(builder, arguments[n], 2) for n in (2, 5)), strict=True)
         # Both reads at once: the sharp one's channels are the lower lanes.
-        a, b, c, d = (_joined(builder, load(builder, bases[0], p, 4), load(builder, bases[1], q, 4)) for p, q in places)
+        corners = [_joined(builder, load(builder, bases[0], p, 4), load(builder, bases[1], q, 4)) for p, q in places]
         across, down = (_joined(builder, spread(builder, p, 4), spread(builder, q, 4)) for p, q in shares)
-        reads = plain_lerp(builder, plain_lerp(builder, a, b, across), plain_lerp(builder, c, d, across), down)
+        reads = blend_vectors(builder, corners, across, down)
         high, low = pick(builder, reads, reads, [0, 1, 2, 3]), pick(builder, reads, reads, [4, 5, 6, 7])
         value = plain_lerp(builder, high, low, _blur(builder, high))
         own = spread(builder, arguments[6], 4)

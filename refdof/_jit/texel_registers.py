@@ -9,6 +9,7 @@ Texels (T, 4) are contiguous, so two neighbours of a row are one load of eight n
 type, indices are int64 and count texels. Without compilation the same sums are done by NumPy.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,8 @@ from numba.extending import intrinsic
 from refdof._jit import JIT_DISABLED, inline
 
 __all__ = [
-    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "lay_share", "load", "pick", "plain_lerp",
-    "read_circle", "spread", "store", "weigh_texels",
+    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "blend_vectors", "lay_share", "load", "pick",
+    "plain_lerp", "read_circle", "spread", "store", "weigh_texels",
 ]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
@@ -181,9 +182,14 @@ def _weigh_texels(typingctx: Any, texels: Any, places: Any, weights: Any) -> Any
 
 def blend_four(builder: Any, base: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any) -> Any:
     """Blend texels a, b above c, d, every operation rounded."""
-    first, second, third, fourth = (load(builder, base, place, 4) for place in (a, b, c, d))
-    wx, wy = spread(builder, across, 4), spread(builder, down, 4)
-    return plain_lerp(builder, plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx), wy)
+    corners = [load(builder, base, place, 4) for place in (a, b, c, d)]
+    return blend_vectors(builder, corners, spread(builder, across, 4), spread(builder, down, 4))
+
+
+def blend_vectors(builder: Any, corners: Sequence[Any], across: Any, down: Any) -> Any:
+    """Blend four vectors, two above two, every operation rounded; weights are vectors, too."""
+    a, b, c, d = corners
+    return plain_lerp(builder, plain_lerp(builder, a, b, across), plain_lerp(builder, c, d, across), down)
 
 
 @intrinsic

@@ -11,7 +11,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._jit.texel_registers import load, plain_lerp, spread
+from refdof._jit.texel_registers import blend_vectors, load, spread, store
 
 __all__ = ["add_blend"]
 
@@ -31,14 +31,11 @@ def _add_blend(
             numbers = load(builder, base, place, 4)
             return numbers if numbers.type == vector else builder.fpext(numbers, vector)
 
-        first, second, third, fourth = (texel(place) for place in arguments[4:8])
         weight, wx, wy = (spread(builder, arguments[n], 4) for n in (2, 8, 9))
-        upper, lower = plain_lerp(builder, first, second, wx), plain_lerp(builder, third, fourth, wx)
-        read = plain_lerp(builder, upper, lower, wy)
-        total = context.make_array(sums)(context, builder, arguments[0]).data
-        place = builder.gep(total, [builder.mul(arguments[1], ir.Constant(arguments[1].type, 4))], inbounds=True)
-        place = builder.bitcast(place, vector.as_pointer())
-        builder.store(builder.fadd(builder.load(place, align=8), builder.fmul(weight, read)), place, align=8)
+        read = blend_vectors(builder, [texel(place) for place in arguments[4:8]], wx, wy)
+        target = context.make_array(sums)(context, builder, arguments[0]).data
+        before = load(builder, target, arguments[1], 4)
+        store(builder, builder.fadd(before, builder.fmul(weight, read)), target, arguments[1])
         return context.get_dummy_value()
 
     return signature, generate

@@ -113,6 +113,5 @@ def _scores_beside(ask: Asker, first: Shown, image: Any) -> dict[str, float]:
     """`scores`, while FLIP is worked out elsewhere."""
     second = shown("image", image, first.shape)
     answer = ask(first, second)
-    functions = {name: metric.function for name, metric in METRICS.items()}
-    found = {name: function(first, second) for name, function in functions.items() if function is not flip}
-    return {name: answer() if function is flip else found[name] for name, function in functions.items()}
+    found = {name: metric.function(first, second) for name, metric in METRICS.items() if metric.function is not flip}
+    return {name: found[name] if name in found else answer() for name in METRICS}

@@ -160,11 +160,12 @@ def reference_of_view(
     """`reference` of a view whose products are shared."""
     as_instance("view", view, View)
     as_function("progress", progress)
+    if replicates is not None:
+        replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
+    samples = as_integer("samples", samples, minimum=1, maximum=(replicates or REPLICATES) << MAX_LOG2)
     if replicates is None:
-        few = tolerance is None and as_integer("samples", samples, minimum=1) >= REPLICATES * _LARGE_NET
-        replicates = REPLICATES if few else STEADY_REPLICATES
-    replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
-    samples = as_integer("samples", samples, minimum=1, maximum=replicates << MAX_LOG2)
+        large = tolerance is None and samples >= REPLICATES * _LARGE_NET
+        replicates = REPLICATES if large else STEADY_REPLICATES
     if tolerance is not None:
         tolerance = as_number("tolerance", tolerance, above=0.0)
     spend = Spend(samples, tolerance, as_most(max_samples))

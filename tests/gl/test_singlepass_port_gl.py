@@ -1,10 +1,8 @@
-"""The single pass as a GLSL fragment shader, ours and the published listing, within the bounds of small cases.
+"""The single pass as a GLSL fragment shader, within the bounds of small cases, and planted faults in it.
 
-The listing's text is no part of this repository, since the article states no licence. It is read from the folder
-that REFDOF_SEEDS names, as a file whose name begins with 004.
+The article's own listing is drawn in `tests/gl/test_singlepass_gl.py`.
 """
 
-import os
 from pathlib import Path
 
 import pytest
@@ -16,7 +14,6 @@ pytestmark = pytest.mark.gl
 
 ROOT = Path(__file__).parents[2]
 SOURCE = (ROOT / "ports" / "glsl" / "singlepass.frag").read_text()
-SEEDS = os.environ.get("REFDOF_SEEDS")
 
 FAULTS = {
     "the loop ends at half its bound": ("radius < uMaxBlurSize;", "radius < 0.5 * uMaxBlurSize;"),
@@ -123,26 +120,3 @@ def test_constants_that_a_host_does_not_set_are_the_listing_s(case, context):
     few = {name: value for name, value in uniforms_of(case).items() if name[:4] not in ("uMax", "uRad", "uBeh")}
     assert len(few) == 4
     assert outside(picture_of(context, SOURCE, case, few), case) <= 1.0
-
-
-@pytest.fixture(scope="module")
-def listing():
-    """The article's own shader, its one misspelt name mended, in a host's `main`."""
-    found = sorted(Path(SEEDS).glob("004*")) if SEEDS else []
-    if not found:
-        pytest.skip("the published listing is no part of the repository: REFDOF_SEEDS names the folder of its text")
-    blocks = found[0].read_text(encoding="utf-8").split("```")[1::2]
-    (text,) = (block for block in blocks if "uniform sampler2D uTexture" in block)
-    return (
-        "#version 330\n"
-        + mutated(text, "texture(uTexture, vTexCoord)", "texture(uTexture, texCoord)")
-        + "\nuniform float focusPoint, focusScale;\nout vec4 result;\nvoid main()\n{\n"
-        + "    result = vec4(depthOfField(gl_FragCoord.xy * uPixelSize, focusPoint, focusScale), 1.0);\n}\n"
-    )
-
-
-@pytest.mark.parametrize("case", LISTED, ids=lambda case: case.name)
-def test_the_published_listing_is_within_the_bounds(case, context, listing):
-    image = picture_of(context, listing, case, uniforms_of(case))
-    print(f"{outside(image, case):.2f} tolerances")
-    assert outside(image, case) <= 1.0

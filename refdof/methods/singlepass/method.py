@@ -32,8 +32,6 @@ References
 .. [1] Gustafsson (2018), Bokeh Depth of Field in a Single Pass, Tuxedo Labs.
 """
 
-from typing import Literal, overload
-
 import numpy as np
 
 from refdof._check import Float, as_instance
@@ -77,10 +75,6 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, pinhole.depth, params, recorder)
 
 
-@overload
-def blur(color: Float, depth: Float, coc: Float, params: Params = ..., stages: Literal[False] = ...) -> Float: ...
-@overload
-def blur(color: Float, depth: Float, coc: Float, params: Params = ..., *, stages: Literal[True] | Stages) -> Staged: ...
 def blur(
     color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
 ) -> Float | Staged:
