@@ -1,4 +1,4 @@
-"""The command line: `refdof scenes | methods | render | export | compare | warm`.
+"""The command line: `refdof scenes | methods | render | export | compare | warm`, and those of `refdof.oracle_cli`.
 
 stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
 names the argument, what it got and what is allowed.
@@ -50,6 +50,7 @@ from refdof.options import (
     settings_by_method,
     stages_of,
 )
+from refdof.oracle_cli import add_commands
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
@@ -247,6 +248,9 @@ def warm() -> None:
     """Compile everything now, in parallel, so that later runs start at once: for container images and CI."""
     with _progress() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
+
+
+add_commands(app)
 
 
 def main() -> None:

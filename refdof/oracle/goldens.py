@@ -1,0 +1,142 @@
+"""Goldens: what a correct implementation makes of a case, how far it may be off, and why.
+
+1. Make the input, and the picture with its stages                       `golden_of`
+2. Bounds at ties, by the method's own `bounds`, of picture and means    `_bounds`
+3. A tolerance by what is rounded                                        `tolerance_of`
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float
+from refdof.methods import METHODS
+from refdof.oracle.cases import Case
+from refdof.oracle.inputs import INPUTS, Picture
+from refdof.rendering import make_params
+from refdof.stages import Stage
+
+__all__ = ["Expected", "Golden", "Tolerance", "golden_of", "tolerance_of"]
+
+# Values in 0 .. 1: texture coordinates near 1 are rounded to 2^-24, 2e-5 px of 320, and the first tap has a share of
+# 1/2; 398 sums in single precision add about 1e-6.
+_FILTER = 2e-5
+_ULP = 2.0**-23
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far a value may lie outside of its bounds.
+
+    A value is off by its distance from low .. high, in units of max_abs + max_rel |bound|. Up to 1 passes. Up to
+    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. NaN never passes.
+    """
+
+    max_abs: float
+    max_rel: float
+    hard_factor: float
+    max_failing_fraction: float
+    reason: str
+
+
+class Expected(NamedTuple):
+    """An array, its bounds (float32, rounded outwards), where they are apart, and the tolerance beyond them."""
+
+    values: Float
+    low: Float
+    high: Float
+    ambiguity: np.ndarray
+    tolerance: Tolerance
+    meaning: str
+
+
+class Golden(NamedTuple):
+    """A case's input, its parameters, all of them, and what is expected: "image" and stages. Rows as in files."""
+
+    picture: Picture
+    params: Any
+    expected: dict[str, Expected]
+
+
+def golden_of(case: Case) -> Golden:
+    """Make a case."""
+    module, picture = METHODS[case.method], INPUTS[case.input](*case.size)
+    params = make_params(case.method, dict(case.params))
+    images, stages = picture[:3], {}
+    if case.stages is None:
+        image = module.blur(*images, params)
+    else:
+        image, stages = module.blur(*images, params, stages=case.stages)
+    scale = max(1.0, float(np.abs(picture.color).max()))
+    final = Stage("image", "H W 3", "linear RGB", "the method's picture", "filter")
+    expected = {"image": _expected(case, image, images, params, final, scale)}
+    for name, values in stages.items():
+        stage = next(stage for stage in module.METHOD.stages if stage.names(name))
+        if _in_packs(stage):
+            expected[name.replace(" ", "_")] = _expected(case, values, images, params, stage, scale, name)
+    if case.rows == "up":
+        picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
+        expected = {
+            name: one._replace(**{part: getattr(one, part)[::-1] for part in ("values", "low", "high", "ambiguity")})
+            for name, one in expected.items()
+        }
+    return Golden(picture, params, expected)
+
+
+def _in_packs(stage: Stage) -> bool:
+    """Whether packs hold a stage: maps by a formula, and means. What else a tap reads has ties without bounds."""
+    if stage.comparison == "filter":
+        return stage.name == "mean *"
+    return stage.axes == "H W" and stage.name != "coc" and not stage.name.endswith("*")
+
+
+def _expected(
+    case: Case,
+    values: Float,
+    images: tuple[Float, ...],
+    params: Any,
+    stage: Stage,
+    scale: float,
+    name: str = "image",
+) -> Expected:
+    low, high, ambiguity = values, values, np.zeros(values.shape[:2], dtype=bool)
+    if stage.comparison == "filter":
+        low, high, ambiguity = _bounds(case.method, values, images, params, name)
+    return Expected(
+        values.astype(np.float32), _outward(low, -np.inf), _outward(high, np.inf), ambiguity,
+        tolerance_of(stage, scale), stage.meaning,
+    )  # fmt: skip
+
+
+def _bounds(
+    method: str, values: Float, images: tuple[Float, ...], params: Any, name: str
+) -> tuple[Float, Float, np.ndarray]:
+    """Bounds of the picture, or of the mean after some taps, which is the picture of a shorter loop."""
+    bounds = getattr(METHODS[method], "bounds", None)
+    word, _, step = name.partition(" ")
+    if bounds is None or word not in ("image", "mean"):
+        return values, values, np.zeros(values.shape[:2], dtype=bool)
+    changed = replace(params, max_taps=int(step)) if word == "mean" else params
+    low, high, ambiguity = bounds(*images, changed)
+    return low, high, ambiguity
+
+
+def tolerance_of(stage: Stage, scale: float) -> Tolerance:
+    """The tolerance of a stage of values up to `scale`, by how it is compared."""
+    if stage.comparison == "exact":
+        return Tolerance(0.0, 0.0, 1.0, 0.0, "nothing is rounded")
+    if stage.comparison == "formula":
+        return Tolerance(8 * _ULP, 8 * _ULP, 1.0, 0.0, "a few roundings of float32: 8 units in the last place")
+    reason = (
+        f"2e-5 of the largest colour, {scale:g}: texture coordinates in float32 move taps by up to 2e-5 px, of which "
+        "the first has a share of 1/2; hundreds of sums in float32"
+    )
+    return Tolerance(_FILTER * scale, 0.0, 10.0, 1e-3, reason)
+
+
+def _outward(values: Float, towards: float) -> Float:
+    """`values` as float32, rounded towards one side only."""
+    single = values.astype(np.float32)
+    wrong = (single > values) if towards < 0 else (single < values)
+    return np.where(wrong, np.nextafter(single, np.float32(towards)), single).astype(np.float32)
