@@ -2,10 +2,10 @@
 
 1. Inputs, each as NPY and as raw numbers                      `_inputs`
 2. Depth as depth buffers hold it, raw                         `_device_depths`
-3. The picture as both, its bounds and stages as NPY           `_write_expected`
+3. The picture and stages as both, their bounds as NPY          `_write_expected`
 4. `case.json`, `params.txt` and a preview                     `write_case`
 
-What a port reads is there as raw numbers; what only a check reads, as NPY: so the core pack is small enough.
+What a port may want is there as raw numbers; what only a check reads, as NPY: so the core pack is small enough.
 """
 
 import json
@@ -130,11 +130,9 @@ def _device_depths(folder: Path, picture: Picture, planes: Planes, largest: floa
 
 def _write_expected(folder: Path, name: str, one: Expected, exr: bool = False) -> dict[str, Any]:
     """An array, and its bounds where they are not the array itself. Returns its entry in case.json."""
-    if name == "image":
-        start, entry = "expected/", _write_both(folder, "expected/image", one.values, exr)
-    else:
-        start, entry = f"expected/stages/{name}_", _write_npy(folder, f"expected/stages/{name}", one.values)
-    parts = {part: f"{start}{part}.npy" for part in ("low", "high", "ambiguity")}
+    place, start = ("expected/image", "expected/") if name == "image" else (f"expected/stages/{name}",) * 2
+    entry = _write_both(folder, place, one.values, exr)
+    parts = {part: f"{start}{'' if name == 'image' else '_'}{part}.npy" for part in ("low", "high", "ambiguity")}
     if not (np.array_equal(one.low, one.values) and np.array_equal(one.high, one.values)):
         for part in ("low", "high"):
             entry[part] = parts[part]

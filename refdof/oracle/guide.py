@@ -33,7 +33,7 @@ Each folder in `cases/` is one case:
     inputs/       color (H W 3), depth (H W), coc (H W): NAME.npy, and NAME.f32, the same numbers without a header
                   depth_device, depth_device_reversed, depth_device_infinite (H W): NAME.f32
     expected/     image (H W 3), .npy and .f32; low and high: its bounds; ambiguity (H W): where they differ; .npy
-    expected/stages/  stages, if any, .npy, with bounds of their own
+    expected/stages/  stages, if any, with bounds of their own: mean_16.npy, mean_16.f32, mean_16_low.npy and so on
     preview.png   for people: small, clipped, rows top-down; nothing is compared with it
 
 All numbers are little-endian float32, rows one after another, R G B of a pixel together; ambiguity is of truth values.

@@ -9,11 +9,11 @@ from refdof._check import Float
 
 __all__ = ["preview_of"]
 
-_LONGEST = 64  # px
+_LONGEST = 48  # px
 
 
 def preview_of(image: Float) -> bytes:
-    """A PNG of every k-th pixel of a linear image (H, W, 3), the longer side at most 64 px, clipped to 0 .. 1.
+    """A PNG of every k-th pixel of a linear image (H, W, 3), the longer side at most 48 px, clipped to 0 .. 1.
 
     Encoded by a square root, which all processors round alike, and near enough to sRGB.
     """
@@ -32,6 +32,6 @@ def _chunk(name: bytes, content: bytes) -> bytes:
 
 
 def _stored(plain: bytes) -> bytes:
-    """A zlib stream of one stored block: a preview has at most 64 (1 + 3 64) bytes, less than the 65535 of one."""
+    """A zlib stream of one stored block: a preview has at most 48 (1 + 3 48) bytes, and one holds 65535."""
     size = len(plain)
     return b"\x78\x01\x01" + struct.pack("<HH", size, size ^ 0xFFFF) + plain + struct.pack(">I", zlib.adler32(plain))
