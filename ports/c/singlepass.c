@@ -25,14 +25,17 @@ typedef struct {
     float max_blur_size; /* px: circles are cut here, and the spiral ends here */
     float rad_scale;     /* px^2: the radius grows by this over itself */
     float behind_factor; /* a tap from behind counts up to this many times the pixel's own size */
+    float row_step;      /* 1: the spiral turns towards later rows; -1: towards earlier ones */
     float *color, *depth, *coc; /* (H W 3), (H W) [scene units], (H W) [px] */
 } Picture;
 
-static void fail(const char *what, const char *why)
+static void end(int status, const char *what, const char *why)
 {
     fprintf(stderr, "singlepass: %s: %s\n", what, why);
-    exit(2);
+    exit(status);
 }
+
+static void fail(const char *what, const char *why) { end(2, what, why); }
 
 static FILE *open_in(const char *folder, const char *name, const char *mode)
 {
@@ -40,8 +43,7 @@ static FILE *open_in(const char *folder, const char *name, const char *mode)
     if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
         fail(folder, "the name is too long");
     FILE *file = fopen(path, mode);
-    if (!file)
-        fail(path, "cannot be opened");
+    if (!file) fail(path, "cannot be opened");
     return file;
 }
 
@@ -57,7 +59,7 @@ static float number(const char *key, const char *value, float least, float great
 /* Lines "key value". Keys of other programs are passed over. */
 static Picture read_params(const char *folder)
 {
-    Picture params = {0, 0, 20.0f, 0.5f, 2.0f, NULL, NULL, NULL};
+    Picture params = {0, 0, 20.0f, 0.5f, 2.0f, 1.0f, NULL, NULL, NULL};
     char key[64], value[64];
     FILE *file = open_in(folder, "params.txt", "r");
     while (fscanf(file, "%63s %63s", key, value) == 2) {
@@ -71,9 +73,11 @@ static Picture read_params(const char *folder)
             params.rad_scale = number(key, value, 1e-3f, 256.0f);
         else if (!strcmp(key, "behind_factor"))
             params.behind_factor = number(key, value, 0.0f, 1e6f);
+        else if (!strcmp(key, "row_step"))
+            params.row_step = number(key, value, -1.0f, 1.0f);
         else if ((!strcmp(key, "depth_filter") && strcmp(value, "nearest"))
                  || (!strcmp(key, "color_filter") && strcmp(value, "bilinear")))
-            fail(key, "a filter that this port does not have");
+            end(77, key, "a filter that this port does not have"); /* not supported */
     }
     fclose(file);
     if (!params.width || !params.height)
@@ -94,8 +98,7 @@ static float *read_floats(const char *folder, const char *name, size_t count)
         uint32_t bits = bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
         memcpy(&values[i], &bits, 4);
     }
-    if (fgetc(file) != EOF)
-        fail(name, "too long for width and height");
+    if (fgetc(file) != EOF) fail(name, "too long for width and height");
     fclose(file);
     return values;
 }
@@ -161,8 +164,7 @@ static void depth_of_field(const Picture *p, int x, int y, float *color)
     size_t center = texel_at(p, u, v);
     float center_size = size_at(p, center);
     float total = 1.0f, angle = 0.0f;
-    for (int c = 0; c < 3; c++)
-        color[c] = color_at(p, u, v, c);
+    for (int c = 0; c < 3; c++) color[c] = color_at(p, u, v, c);
     for (float radius = p->rad_scale; radius < p->max_blur_size; radius += p->rad_scale / radius) {
         float tap_u = u + cosf(angle) * pixel_u * radius;
         float tap_v = v + sinf(angle) * pixel_v * radius;
@@ -174,10 +176,9 @@ static void depth_of_field(const Picture *p, int x, int y, float *color)
         for (int c = 0; c < 3; c++)
             color[c] += color[c] / total * (1.0f - m) + color_at(p, tap_u, tap_v, c) * m;
         total += 1.0f;
-        angle += GOLDEN_ANGLE;
+        angle += GOLDEN_ANGLE * p->row_step;
     }
-    for (int c = 0; c < 3; c++)
-        color[c] /= total;
+    for (int c = 0; c < 3; c++) color[c] /= total;
 }
 
 int main(int count, char **words)
@@ -190,8 +191,7 @@ int main(int count, char **words)
     picture.depth = read_floats(words[2], "inputs/depth.f32", pixels);
     picture.coc = read_floats(words[2], "inputs/coc.f32", pixels);
     float *image = calloc(3 * pixels, sizeof *image);
-    if (!image)
-        fail("image.f32", "does not fit in memory");
+    if (!image) fail("image.f32", "does not fit in memory");
     for (size_t i = 0; i < pixels; i++)
         depth_of_field(&picture, (int)(i % (size_t)picture.width), (int)(i / (size_t)picture.width), image + 3 * i);
     write_floats(words[4], "image.f32", image, 3 * pixels);
