@@ -30,7 +30,9 @@ class Tolerance:
     """How far a value may lie outside of its bounds.
 
     A value is off by its distance from low .. high, in units of max_abs + max_rel |bound|. Up to 1 passes. Up to
-    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. NaN never passes.
+    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. The root of the
+    mean square of all distances may be up to `max_rms`, if it is given. `nan`: "forbid", NaN never passes; "match", it
+    does where NaN is expected. Infinities pass where they are expected.
     """
 
     max_abs: float
@@ -38,6 +40,8 @@ class Tolerance:
     hard_factor: float
     max_failing_fraction: float
     reason: str
+    max_rms: float | None = None
+    nan: str = "forbid"
 
 
 class Expected(NamedTuple):
@@ -74,7 +78,8 @@ def golden_of(case: Case) -> Golden:
     for name, values in stages.items():
         stage = next(stage for stage in module.METHOD.stages if stage.names(name))
         if _in_packs(stage):
-            expected[name.replace(" ", "_")] = _expected(case, values, images, params, stage, scale, name)
+            largest = _circle_terms(picture, params) if stage.comparison == "formula" else scale
+            expected[name.replace(" ", "_")] = _expected(case, values, images, params, stage, largest, name)
     if case.rows == "up":
         picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
         expected = {
@@ -84,11 +89,17 @@ def golden_of(case: Case) -> Golden:
     return Golden(picture, params, expected)
 
 
+def _circle_terms(picture: Picture, params: Any) -> float:
+    """The largest number [px] that a port which makes its own circles rounds: they are differences of such."""
+    nearness = max(1.0 / picture.focus, 1.0 / float(picture.depth.min()))
+    return max(1.0, picture.coc_scale * nearness * max(1.0, getattr(params, "behind_factor", 1.0)))
+
+
 def _in_packs(stage: Stage) -> bool:
     """Whether packs hold a stage: maps by a formula, and means. What else a tap reads has ties without bounds."""
     if stage.comparison == "filter":
         return stage.name == "mean *"
-    return stage.axes == "H W" and stage.name != "coc" and not stage.name.endswith("*")
+    return stage.axes == "H W" and not stage.name.endswith("*")
 
 
 def _expected(
@@ -127,7 +138,8 @@ def tolerance_of(stage: Stage, scale: float) -> Tolerance:
     if stage.comparison == "exact":
         return Tolerance(0.0, 0.0, 1.0, 0.0, "nothing is rounded")
     if stage.comparison == "formula":
-        return Tolerance(8 * _ULP, 8 * _ULP, 1.0, 0.0, "a few roundings of float32: 8 units in the last place")
+        reason = f"a few roundings of float32: 8 units in the last place, of it and of {scale:.3g} px, a circle's terms"
+        return Tolerance(8 * _ULP * scale, 8 * _ULP, 1.0, 0.0, reason)
     reason = (
         f"2e-5 of the largest colour, {scale:g}: texture coordinates in float32 move taps by up to 2e-5 px, of which "
         "the first has a share of 1/2; hundreds of sums in float32"

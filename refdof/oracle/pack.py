@@ -10,6 +10,7 @@ No time, no machine and no path is written: the same code writes the same bytes.
 import hashlib
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -62,6 +63,7 @@ def write_pack(
             _write_case(temporary / "cases" / case.name, case, golden_of(case))
         _write_json(temporary / "conventions.json", PACK_CONVENTIONS)
         _write_text(temporary / "README.md", README)
+        shutil.copytree(Path(__file__).parent / "schemas", temporary / "schemas")
         files = sorted(path for path in temporary.rglob("*") if path.is_file())
         _write_json(
             temporary / MANIFEST,
