@@ -1,18 +1,22 @@
 """The oracle's commands: `refdof golden | check`."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from refdof._check import InputError
-from refdof.image.atomic import write_text
+from refdof.image.atomic import check_folder, write_text
 from refdof.options import AsJson, Threads, listed, set_threads
-from refdof.oracle import check_command, check_results, write_pack
+from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
 from refdof.oracle.junit import junit
+from refdof.oracle.selection import Plan, as_shard
+from refdof.oracle.sources import of_command, of_folder
+from refdof.oracle.waivers import read_waivers
 
 __all__ = ["add_commands"]
 
@@ -62,21 +66,59 @@ def check(
         typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
     ] = None,
     timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
+    only: Annotated[str, typer.Option("--only", metavar="GLOB", help="Cases of these names only.")] = "*",
+    shard: Annotated[
+        str, typer.Option("--shard", metavar="I/N", help="Part I of N: each case is in exactly one.")
+    ] = "1/1",
+    not_supported: Annotated[
+        str | None, typer.Option("--not-supported", metavar="TAG,TAG", help="Cases with such a tag are not run.")
+    ] = None,
+    given: Annotated[
+        str | None,
+        typer.Option(
+            "--given",
+            metavar="STAGE,STAGE",
+            help="Stages that the program takes from inputs/ where params.txt says so: wrong cases run once more.",
+        ),
+    ] = None,
+    waivers: Annotated[
+        Path | None, typer.Option("--waivers", metavar="TOML", help="Known failures, with reason, url and expires.")
+    ] = None,
+    html_file: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Also write a page with pictures.")
+    ] = None,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
     """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
     if (results is None) == (impl is None):
         raise InputError("results, impl: got both or none; allowed is one of the two")
+    if results is not None and given is not None:
+        raise InputError("given: got stages with files made elsewhere; allowed is an implementation that is run")
+    plan = Plan(
+        only=only,
+        shard=as_shard(shard),
+        not_supported=() if not_supported is None else tuple(listed(not_supported)),
+        given=() if given is None else tuple(listed(given)),
+        waivers=() if waivers is None else read_waivers(waivers),
+    )
+    for file in (html_file, json_file, junit_file):
+        if file is not None:
+            check_folder(file.parent)
 
     def tell(outcome: Outcome, done: int, count: int) -> None:
         print(f"{outcome.status:16}{outcome.case}: {outcome.message} ({outcome.seconds:.1f} s)", flush=True)
 
-    if results is not None:
-        report = check_results(results, pack, tell)
-    else:
-        report = check_command(impl or "", pack, timeout, tell)
+    from refdof.oracle.page import Pictures, check_page  # templates and pictures are slow to import
+
+    pictures = Pictures()
+    source = of_folder(results) if results is not None else of_command(impl or "", timeout)
+    report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
+    for line in report.warnings:
+        print(f"warning: {line}", file=sys.stderr)
     print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
+    if html_file is not None:
+        write_text(html_file, check_page(report, pictures))
     if json_file is not None:
         write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
     if junit_file is not None:

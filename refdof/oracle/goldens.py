@@ -33,7 +33,9 @@ class Tolerance:
     """How far a value may lie outside of its bounds.
 
     A value is off by its distance from low .. high, in units of max_abs + max_rel |bound|. Up to 1 passes. Up to
-    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. NaN never passes.
+    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. The root of the
+    mean square of all distances may be up to `max_rms`, if it is given. `nan`: "forbid", NaN never passes; "match", it
+    does where NaN is expected. Infinities pass where they are expected.
     """
 
     max_abs: float
@@ -41,6 +43,8 @@ class Tolerance:
     hard_factor: float
     max_failing_fraction: float
     reason: str
+    max_rms: float | None = None
+    nan: str = "forbid"
 
 
 class Expected(NamedTuple):

@@ -11,7 +11,9 @@ No time, no machine and no path is written: the same code writes the same bytes.
 import hashlib
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import refdof
@@ -70,6 +72,7 @@ def write_pack(
             write_case(temporary / "cases" / case.name, case, golden_of(case), exr)
         write_json(temporary / "conventions.json", PACK_CONVENTIONS)
         write_plain(temporary / "README.md", guide_of(list(dict.fromkeys(case.method for case in cases))))
+        shutil.copytree(Path(__file__).parent / "schemas", temporary / "schemas")
         paths = sorted(path.relative_to(temporary).as_posix() for path in temporary.rglob("*") if path.is_file())
         files = {path: sha256_of((temporary / path).read_bytes()) for path in paths}
         manifest = {**about, "goldens": goldens_digest(files), "files": files}
