@@ -33,7 +33,7 @@ _SHADERTOY = {
 _FUNCTION = re.compile(r"\b(vec[34])\s+(\w+)\s*\(([^()]*)\)\s*\{")
 _INPUT = re.compile(
     r"(?m)(?:^|;|\})\s*(?:layout\s*\([^)]*\)\s*)?((?:(?:smooth|noperspective|centroid|flat)\s+)*)(?:in|varying)\s+"
-    r"(?:(?:highp|mediump|lowp)\s+)?(\w+)\s+(\w+)\s*(;|\{|\[|,)"
+    r"(?:(?:highp|mediump|lowp)\s+)?(\w+)\s*([\w\s,]*)([;{\[])"
 )
 _OUTPUT = re.compile(r"\bout\s+(?:(?:highp|mediump|lowp)\s+)?vec[34]\s+\w+\s*;")
 
@@ -93,7 +93,7 @@ def compiler_message(said: str) -> str:
     """The first error of a GLSL compiler or linker, with the line of the text where it has one."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     first = next((line for line in lines if "error" in line.lower()), lines[-1] if lines else "no reason given")
-    found = re.match(r"\d+[:(](\d+)(?:\(\d+\))?\)?\s*:?\s*(?:error\s*:?\s*)?(.*)", first)
+    found = re.match(r"0:(\d+)\(\d+\): (?:error: )?(.*)", first)  # as Mesa writes it
     return f"line {found[1]}: {found[2]}" if found else first
 
 
@@ -147,8 +147,13 @@ def _tail(bare: str) -> tuple[list[str], str]:
 def _inputs(bare: str) -> tuple[tuple[str, str], ...]:
     """Inputs of the text, all of which are texture coordinates."""
     found = []
-    for _, kind, name, end in _INPUT.findall(bare):
-        if end != ";" or kind not in ("vec2", "vec3", "vec4"):
-            raise ShaderFault(f"{kind} {name}: is an input of a kind that is not drawn; allowed is `in vec2 NAME;`")
-        found.append((name, kind))
+    for match in _INPUT.finditer(bare):
+        before, kind, names = bare[: match.start(2)], match[2], match[3].strip()
+        if before.count("(") > before.count(")") or before.count("{") > before.count("}"):
+            continue  # an argument
+        if match[4] != ";" or kind not in ("vec2", "vec3", "vec4"):
+            raise ShaderFault(
+                f"{kind} {names}: is an input of a kind that is not drawn; allowed are texture coordinates, `in vec2`"
+            )
+        found += [(name.strip(), kind) for name in names.split(",")]
     return tuple(found)
