@@ -19,6 +19,8 @@ __all__ = ["NOT_SUPPORTED_STATUS", "NotSupported", "Source", "Task", "of_command
 NOT_SUPPORTED_STATUS = 77
 """The status with which a command says that it does not do a case; as in Automake's tests."""
 
+_NOT_SUPPORTED = "not_supported.txt"
+
 
 class NotSupported(Exception):
     """The implementation says that it does not do this case."""
@@ -60,10 +62,20 @@ def of_function(function: Callable[..., Any]) -> Source:
 
 
 def of_folder(folder: Path) -> Source:
-    """Read FOLDER/CASE/image.f32 or image.npy, and stages by their names."""
+    """Read FOLDER/CASE/image.f32 or image.npy, and stages by their names.
+
+    A case that the implementation does not do has not_supported.txt alone; its first line is the reason.
+    """
     if not folder.is_dir():
         raise InputError(f"results: got {str(folder)!r}; allowed is a folder with one folder a case")
-    return lambda task: _read_results(folder / task.name, task)
+
+    def results(task: Task) -> Mapping[str, Float]:
+        place = folder / task.name
+        if not place.is_symlink() and place.is_dir() and [path.name for path in place.iterdir()] == [_NOT_SUPPORTED]:
+            raise NotSupported(_first_line(place / _NOT_SUPPORTED))
+        return _read_results(place, task)
+
+    return results
 
 
 def of_command(command: str, timeout: float) -> Source:
@@ -114,6 +126,15 @@ def _run(words: list[str], timeout: float) -> None:
         raise NotSupported(last)
     if status != 0:
         raise FileFault(f"the command ended with status {status}: {last}")
+
+
+def _first_line(path: Path) -> str:
+    """At most 400 bytes of a text, which may be anyone's."""
+    if path.is_symlink() or not path.is_file():
+        raise FileFault(f"{path.name}: is no regular file")
+    with path.open("rb") as file:
+        lines = file.read(400).decode("utf-8", "replace").splitlines()
+    return lines[0].strip() if lines else ""
 
 
 def _read_results(folder: Path, task: Task) -> Mapping[str, Float]:
