@@ -26,7 +26,7 @@ function packOfFiles(files) {
 function packOfUrl(url) {
     const base = new URL(url.replace(/\/?$/, "/"), location.href);
     return async path => {
-        const answer = await fetch(new URL(path, base)).catch(() => {
+        const answer = await fetch(new URL(path, base), {cache: "no-store"}).catch(() => {
             throw new Fault(`${path}: cannot be fetched from ${base}. Is the page served over http?`);
         });
         if (!answer.ok) throw new Fault(`${path}: is missing (status ${answer.status})`);

@@ -266,7 +266,9 @@ addEventListener("dragleave", () => element("pack").classList.remove("over"));
 addEventListener("drop", event => {
     event.preventDefault();
     element("pack").classList.remove("over");
-    const files = filesOfDrop(event.dataTransfer.items);
+    const files = filesOfDrop(event.dataTransfer.items).catch(() => {  // Chromium, where the page is from the disk
+        throw new Fault("This browser does not let the page read a dropped folder: choose it, or serve the page.");
+    });
     if (document.body.dataset.state !== "running") load(async () => packOfFiles(await files));
 });
 const url = new URLSearchParams(location.search).get("pack");

@@ -16,6 +16,8 @@ _OPTIONS = (
     "--use-angle=swiftshader",  # WebGL on the CPU
     "--enable-unsafe-swiftshader",
     "--window-size=1100,900",
+    "--disable-background-timer-throttling",  # of tabs behind others
+    "--disable-renderer-backgrounding",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-extensions",
