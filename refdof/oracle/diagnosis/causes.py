@@ -44,7 +44,6 @@ CAUSES = (
     Cause("coc_unclamped", "coc", "circles are not cut at the largest blur"),
     Cause("coc_linear", "coc", "circles are linear in depth instead of in 1 / depth"),
     Cause("coc_smoothstep", "coc", "circles are a smoothstep of depth instead of linear in 1 / depth"),
-    Cause("coc_inverse", "coc", "circles are linear in depth over depth of focus, not a thin lens's"),
     Cause("focus", "coc", "the focal plane is at a depth of {value:.4g} instead of {expected:.4g}"),
     Cause("focus_from_near", "coc", "focus is measured from the near plane instead of the lens"),
     Cause("depth_reversed", "coc", "depth is taken in reverse: near is far"),
