@@ -1,4 +1,4 @@
-"""The oracle's commands: `refdof golden | check`."""
+"""The oracle's commands: `refdof golden | check | diagnose`."""
 
 import json
 import sys
@@ -14,10 +14,12 @@ from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
+from refdof.oracle.diagnosis import diagnose_source
 from refdof.oracle.junit import junit
 from refdof.oracle.selection import Plan, as_shard
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, of_command, of_folder
+from refdof.oracle.verdict import FAIL
 from refdof.oracle.waivers import read_waivers
 
 __all__ = ["add_commands"]
@@ -26,11 +28,29 @@ Methods = Annotated[
     str | None, typer.Option("--methods", metavar="A,B,C", help="Methods with cases. Default: all that have some.")
 ]
 
+PackFolder = Annotated[Path, typer.Option("--pack", metavar="DIR", help="What `refdof golden` wrote.")]
+Results = Annotated[
+    Path | None, typer.Option("--results", metavar="DIR", help="One folder for each case, with image.f32 or .npy.")
+]
+Command = Annotated[
+    str | None,
+    typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
+]
+Shader = Annotated[
+    Path | None, typer.Option("--shader", metavar="FILE", help="A fragment shader, .frag, .glsl, .fs or .wgsl.")
+]
+Bindings = Annotated[
+    Path | None,
+    typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
+]
+Timeout = Annotated[float, typer.Option("--timeout", help="Of one case [s].")]
+
 
 def add_commands(app: typer.Typer) -> None:
     """Give `app` the commands of the oracle."""
     app.command()(golden)
     app.command()(check)
+    app.command()(diagnose)
 
 
 def golden(
@@ -59,22 +79,12 @@ def golden(
 
 
 def check(
-    pack: Annotated[Path, typer.Option("--pack", metavar="DIR", help="What `refdof golden` wrote.")],
-    results: Annotated[
-        Path | None, typer.Option("--results", metavar="DIR", help="One folder for each case, with image.f32 or .npy.")
-    ] = None,
-    impl: Annotated[
-        str | None,
-        typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
-    ] = None,
-    shader: Annotated[
-        Path | None, typer.Option("--shader", metavar="FILE", help="A fragment shader, .frag, .glsl, .fs or .wgsl.")
-    ] = None,
-    bindings: Annotated[
-        Path | None,
-        typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
-    ] = None,
-    timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
+    pack: PackFolder,
+    results: Results = None,
+    impl: Command = None,
+    shader: Shader = None,
+    bindings: Bindings = None,
+    timeout: Timeout = TIMEOUT_S,
     only: Annotated[str, typer.Option("--only", metavar="GLOB", help="Cases of these names only.")] = "*",
     shard: Annotated[
         str, typer.Option("--shard", metavar="I/N", help="Part I of N: each case is in exactly one.")
@@ -100,10 +110,6 @@ def check(
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
     """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
-    if sum(given is not None for given in (results, impl, shader)) != 1:
-        raise InputError("results, impl, shader: got several or none; allowed is one of them")
-    if bindings is not None and shader is None:
-        raise InputError("bindings: got a file without --shader; allowed is one with a shader")
     if impl is None and given is not None:
         raise InputError("given: got stages without --impl; allowed is a program that takes them")
     plan = Plan(
@@ -125,9 +131,12 @@ def check(
     pictures = Pictures()
     with _source(results, impl, shader, bindings, timeout) as source:
         report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
-    for line in report.warnings:
-        print(f"warning: {line}", file=sys.stderr)
-    print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
+        for line in report.warnings:
+            print(f"warning: {line}", file=sys.stderr)
+        print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
+        if report.counts()[FAIL]:
+            for line in diagnose_source(source, pack).lines():
+                print(line)
     if html_file is not None:
         write_text(html_file, check_page(report, pictures))
     if json_file is not None:
@@ -137,10 +146,37 @@ def check(
     raise typer.Exit(0 if report.passed else 1)
 
 
+def diagnose(
+    pack: PackFolder,
+    results: Results = None,
+    impl: Command = None,
+    shader: Shader = None,
+    bindings: Bindings = None,
+    case: Annotated[str | None, typer.Option("--case", metavar="NAME", help="Look at this case only.")] = None,
+    timeout: Timeout = TIMEOUT_S,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
+) -> None:
+    """Say what is wrong with a port of singlepass: its taps and weights, and the mistake that gives its output.
+
+    The exit status is 0 if nothing is.
+    """
+    with _source(results, impl, shader, bindings, timeout) as source:
+        found = diagnose_source(source, pack, case)
+    for line in found.lines():
+        print(line)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n")
+    raise typer.Exit(0 if found.key == "none" else 1)
+
+
 def _source(
     results: Path | None, impl: str | None, shader: Path | None, bindings: Path | None, timeout: float
 ) -> AbstractContextManager[Source]:
     """The one implementation that is given."""
+    if sum(given is not None for given in (results, impl, shader)) != 1:
+        raise InputError("results, impl, shader: got several or none; allowed is one of them")
+    if bindings is not None and shader is None:
+        raise InputError("bindings: got a file without --shader; allowed is one with a shader")
     if shader is not None:
         return of_shader(shader, bindings, timeout)
     return nullcontext(of_folder(results) if results is not None else of_command(impl or "", timeout))

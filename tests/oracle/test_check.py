@@ -137,14 +137,6 @@ def test_a_manifest_of_another_kind_is_refused(copied, content):
         check(port, copied)
 
 
-def write_results(folder, pack):
-    """Right results of all cases, as files."""
-    for case in CASES:
-        images = [np.load(pack / "cases" / case.name / "inputs" / f"{name}.npy") for name in ("color", "depth", "coc")]
-        (folder / case.name).mkdir(parents=True)
-        (folder / case.name / "image.f32").write_bytes(port(*images, {}).astype("<f4").tobytes())
-
-
 def test_results_that_say_not_supported(pack, tmp_path):
     """not_supported.txt alone, its first line; beside a picture it is no result."""
     write_results(tmp_path, pack)
