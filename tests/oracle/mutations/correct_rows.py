@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from tests.oracle.mutations.row import mutated
+from tests.oracle.mutations.row import text_of
 
 __all__ = ["VARIANTS", "Variant"]
 
@@ -17,13 +17,14 @@ class Variant(NamedTuple):
     @property
     def text(self) -> str:
         """The changed text."""
-        return mutated(self.port, *self.changes)
+        return text_of(self.port, *self.changes)
 
 
 _C = (
     ("as it is",),
     ("unrolled, and with other roundings",
-     ("#include <math.h>", '#pragma GCC optimize("fast-math", "unroll-loops")\n#include <math.h>')),
+     ("static void depth_of_field(",
+      '__attribute__((optimize("fast-math", "unroll-loops"))) static void depth_of_field(')),
     ("mix by a difference",
      ("color[c] / total * (1.0f - m) + color_at(p, tap_u, tap_v, c) * m",
       "color[c] / total + (color_at(p, tap_u, tap_v, c) - color[c] / total) * m")),

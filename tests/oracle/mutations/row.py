@@ -6,7 +6,9 @@ The truth is said from what the change does, never from what a diagnosis says of
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["TEXTS", "Row", "mutated"]
+from tests.ports.cases import mutated
+
+__all__ = ["TEXTS", "Row", "text_of"]
 
 _ROOT = Path(__file__).parents[3]
 
@@ -36,20 +38,12 @@ class Row(NamedTuple):
     @property
     def text(self) -> str:
         """The changed text."""
-        return mutated(self.port, (self.old, self.new))
+        return text_of(self.port, (self.old, self.new))
 
 
-def mutated(port: str, *changes: tuple[str, str]) -> str:
-    """A port's text with some changes, old to new.
-
-    Raises
-    ------
-    ValueError
-        If an old text does not stand in it exactly once.
-    """
+def text_of(port: str, *changes: tuple[str, str]) -> str:
+    """A port's text with some changes, old to new; each old one has to stand in it exactly once."""
     text = TEXTS[port].read_text(encoding="utf-8")
     for old, new in changes:
-        if text.count(old) != 1:
-            raise ValueError(f"{old!r} stands {text.count(old)} times in {TEXTS[port].name}; allowed is once")
-        text = text.replace(old, new)
+        text = mutated(text, old, new)
     return text
