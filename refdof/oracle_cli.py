@@ -9,7 +9,7 @@ import typer
 from refdof._check import InputError
 from refdof.image.atomic import write_text
 from refdof.options import AsJson, Threads, listed, set_threads
-from refdof.oracle import check_command, check_results, write_pack
+from refdof.oracle import check_command, check_results, check_shader, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
 from refdof.oracle.junit import junit
@@ -56,19 +56,30 @@ def check(
         str | None,
         typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
     ] = None,
+    shader: Annotated[
+        Path | None, typer.Option("--shader", metavar="FILE", help="A fragment shader, .frag, .glsl, .fs or .wgsl.")
+    ] = None,
+    bindings: Annotated[
+        Path | None,
+        typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
+    ] = None,
     timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
     """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
-    if (results is None) == (impl is None):
-        raise InputError("results, impl: got both or none; allowed is one of the two")
+    if sum(given is not None for given in (results, impl, shader)) != 1:
+        raise InputError("results, impl, shader: got several or none; allowed is one of them")
+    if bindings is not None and shader is None:
+        raise InputError("bindings: got a file without --shader; allowed is one with a shader")
 
     def tell(outcome: Outcome, done: int, count: int) -> None:
         print(f"{outcome.status:16}{outcome.case}: {outcome.message} ({outcome.seconds:.1f} s)", flush=True)
 
     if results is not None:
         report = check_results(results, pack, tell)
+    elif shader is not None:
+        report = check_shader(shader, pack, bindings, timeout, tell)
     else:
         report = check_command(impl or "", pack, timeout, tell)
     print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))

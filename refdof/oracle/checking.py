@@ -16,10 +16,21 @@ from typing import Any
 from refdof._check import InputError, as_number
 from refdof.oracle.files import FileFault, Pack, open_pack
 from refdof.oracle.goldens import Tolerance
+from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import NotSupported, Source, Task, of_command, of_folder, of_function
 from refdof.oracle.verdict import FAIL, PASS, WARNING, Finding, judge
 
-__all__ = ["ERROR", "NOT_SUPPORTED", "STATUSES", "Outcome", "Report", "check", "check_command", "check_results"]
+__all__ = [
+    "ERROR",
+    "NOT_SUPPORTED",
+    "STATUSES",
+    "Outcome",
+    "Report",
+    "check",
+    "check_command",
+    "check_results",
+    "check_shader",
+]
 
 NOT_SUPPORTED, ERROR = "not supported", "error"
 STATUSES = (PASS, WARNING, FAIL, NOT_SUPPORTED, ERROR)
@@ -114,6 +125,23 @@ def check_command(
 def check_results(folder: str | os.PathLike[str], pack: str | os.PathLike[str], tell: Tell | None = None) -> Report:
     """Check files made elsewhere: one folder for each case of the pack. See `check`."""
     return _check(open_pack(pack), of_folder(Path(folder)), tell)
+
+
+def check_shader(
+    file: str | os.PathLike[str],
+    pack: str | os.PathLike[str],
+    bindings: str | os.PathLike[str] | None = None,
+    timeout: float = TIMEOUT_S,
+    tell: Tell | None = None,
+) -> Report:
+    """Check a fragment shader in GLSL or WGSL, without a host: see `refdof.oracle.shaders.of_shader` and `check`.
+
+    Cases whose parameters the shader holds as constants are not supported. A shader that does not compile, or reads
+    what nothing binds, raises InputError.
+    """
+    opened = open_pack(pack)
+    with of_shader(file, bindings, timeout) as source:
+        return _check(opened, source, tell)
 
 
 def _check(pack: Pack, source: Source, tell: Tell | None) -> Report:
