@@ -12,7 +12,7 @@ import numpy as np
 
 from refdof.methods.singlepass import Params, blur, bounds
 
-__all__ = ["CASES", "TOLERANCE", "Case", "caught", "lay_down", "mutated", "outside"]
+__all__ = ["CASES", "TOLERANCE", "Case", "lay_down", "mutated", "outside"]
 
 # Of the largest colour. Bounds hold what ties allow, so that only roundings are left. Texture coordinates near 1 are
 # rounded to 2^-24, 4e-6 px of 64, and a circle made of a depth in float32 errs by 1e-5 px where 22 px are the
@@ -131,11 +131,6 @@ def outside(image, case):
     if image.shape != low.shape or not np.isfinite(image).all():
         return np.inf
     return np.maximum(low - image, image - high).max() / (TOLERANCE * case.inputs[0].max())
-
-
-def caught(run):
-    """The name of the first case whose picture `run(case)` is outside of the bounds by two tolerances, or None."""
-    return next((case.name for case in CASES if outside(run(case), case) > 2.0), None)
 
 
 def mutated(text, old, new):

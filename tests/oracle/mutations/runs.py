@@ -1,0 +1,105 @@
+"""Runs of wrong and right ports: a small pack, programs of changed texts, and the check of what they make.
+
+1. Write a pack of small cases                    `Bench`
+2. Make a source of results of a changed text     `Bench.source_of`
+3. Check what it makes, and have it explained     `Bench.result_of`
+"""
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Self
+from unittest import mock
+
+import numpy as np
+
+from refdof.oracle import write_pack
+from refdof.oracle.cases import Case
+from refdof.oracle.checking import STATUSES, Report, _check
+from refdof.oracle.files import FileFault, open_pack
+from refdof.oracle.sources import Source, Task, of_command, of_folder
+from tests.oracle.mutations.row import TEXTS, Row
+from tests.oracle.mutations.table import Result
+
+__all__ = ["CASES", "Bench"]
+
+_UP = {"row_order": "up"}
+
+# Sizes with ties and without, both orders of rows, and three sets of constants.
+CASES = [
+    Case("cards", "singlepass", "cards", (40, 30)),
+    Case("cards_up", "singlepass", "cards", (40, 30), _UP, "up"),
+    Case("noise", "singlepass", "noise", (45, 35)),
+    Case("ramp", "singlepass", "ramp", (40, 30)),
+    Case("hdr", "singlepass", "hdr", (40, 30)),
+    Case("hdr_smaller", "singlepass", "hdr", (36, 27), {"max_blur_size": 6.0}),
+    Case("noise_coarser", "singlepass", "noise", (36, 27), {"rad_scale": 1.0, "behind_factor": 1.0}),
+]
+TIMEOUT_S = 20.0
+
+
+class Bench:
+    """A small pack, and an OpenGL context that draws; both are gone after `with`."""
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+        self._folder = tempfile.TemporaryDirectory(prefix="refdof-")
+        self.pack = Path(self._folder.name) / "pack"
+        with mock.patch("refdof.oracle.pack.cases_of", return_value=CASES):
+            write_pack(self.pack)
+
+    def __enter__(self) -> Self:
+        """Nothing more to open."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Remove the folder and the context."""
+        self._folder.cleanup()
+        self._context.release()
+
+    def source_of(self, port: str, text: str) -> Source:
+        """What a port with this text makes of cases."""
+        if port == "c":
+            return of_command(f"{self._built(text)} --case {{case}} --out {{out}}", TIMEOUT_S)
+        host = text if port == "host" else TEXTS["host"].read_text(encoding="utf-8")
+        shader = text if port == "glsl" else TEXTS["glsl"].read_text(encoding="utf-8")
+        names: dict[str, Any] = {}
+        exec(compile(host, "host.py", "exec"), names)
+        return _of_host(names["run"], shader, self._context)
+
+    def report_of(self, port: str, text: str) -> Report:
+        """The check of a port with this text."""
+        return _check(open_pack(self.pack), self.source_of(port, text), None)
+
+    def result_of(self, row: Row) -> Result:
+        """The check of a wrong port, and what is named as its cause."""
+        began = time.perf_counter()
+        report = self.report_of(row.port, row.text)
+        status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
+        return Result(row, status, "", "", time.perf_counter() - began)
+
+    def _built(self, text: str) -> Path:
+        """Compile a C port."""
+        folder = Path(tempfile.mkdtemp(dir=self._folder.name))
+        (folder / "port.c").write_text(text, encoding="utf-8")
+        command = ["cc", "-std=c99", "-O2", "-o", folder / "port", folder / "port.c", "-lm"]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+        return folder / "port"
+
+
+def _of_host(run: Callable[..., None], shader: str, context: Any) -> Source:
+    """Let a host draw a shader, and read what it has written."""
+
+    def results(task: Task) -> Mapping[str, np.ndarray]:
+        with tempfile.TemporaryDirectory(prefix="refdof-") as out:
+            place = Path(out) / task.name
+            place.mkdir()
+            try:
+                run(context, shader, task.folder, place)
+            except Exception as error:  # whatever a wrong host or shader leads to
+                raise FileFault(f"the host raised {type(error).__name__}: {error}") from None
+            return of_folder(Path(out))(task)
+
+    return results
