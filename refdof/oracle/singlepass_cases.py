@@ -9,8 +9,14 @@ from refdof.oracle.case import SIZES, Case
 from refdof.oracle.circles import size_bounds
 from refdof.stages import Stages
 
-__all__ = ["GUIDE", "cases", "numbers", "of_circles"]
+__all__ = ["FILTER", "GUIDE", "STAGES", "cases", "numbers", "of_circles"]
 
+STAGES = ("coc", "size", "limit", "mean *")  # what else a tap reads has ties without bounds
+FILTER = (
+    2e-5,
+    "texture coordinates near 1 in float32 are rounded to 2^-24, 2e-5 px of 320, and the first tap has a share of 1/2; "
+    "hundreds of sums in float32 add 1e-6",
+)
 GUIDE = """## singlepass
 
 The loop of Gustafsson (2018), "Bokeh Depth of Field in a Single Pass". `size(c) = min(|c|, max_blur_size)`:
