@@ -76,7 +76,8 @@ static Picture read_params(const char *folder)
         else if (!strcmp(key, "row_step"))
             params.row_step = number(key, value, -1.0f, 1.0f);
         else if ((!strcmp(key, "depth_filter") && strcmp(value, "nearest"))
-                 || (!strcmp(key, "color_filter") && strcmp(value, "bilinear")))
+                 || (!strcmp(key, "color_filter") && strcmp(value, "bilinear"))
+                 || (!strcmp(key, "method") && strcmp(value, "singlepass")))
             end(77, key, "a filter that this port does not have"); /* not supported */
     }
     fclose(file);
@@ -90,8 +91,7 @@ static float *read_floats(const char *folder, const char *name, size_t count)
     unsigned char bytes[4];
     float *values = calloc(count, sizeof *values);
     FILE *file = open_in(folder, name, "rb");
-    if (!values)
-        fail(name, "does not fit in memory");
+    if (!values) fail(name, "does not fit in memory");
     for (size_t i = 0; i < count; i++) {
         if (fread(bytes, 1, 4, file) != 4)
             fail(name, "too short for width and height");

@@ -7,6 +7,8 @@ A method has a module here with
 
     cases(level)                          its cases
     GUIDE                                 its section of the pack's README
+    STAGES                                the stages that packs hold: what is determined, or has bounds
+    FILTER                                tolerance of weighted sums of values in 0 .. 1, and its reason
     numbers(params, rows)                 lines of `params.txt` beside its parameters
     of_circles(stage, low, high, params)  bounds of a stage that a formula makes of circles within low .. high, or None
 """
@@ -15,12 +17,12 @@ from types import ModuleType
 
 from refdof._check import as_choice
 from refdof.methods import METHODS
-from refdof.oracle import singlepass_cases
+from refdof.oracle import poisson_cases, singlepass_cases
 from refdof.oracle.case import LEVELS, SIZES, Case
 
 __all__ = ["LEVELS", "SIZES", "Case", "cases_of", "module_of", "with_cases"]
 
-_MODULES: dict[str, ModuleType] = {"singlepass": singlepass_cases}
+_MODULES: dict[str, ModuleType] = {"singlepass": singlepass_cases, "poisson": poisson_cases}
 
 
 def with_cases() -> list[str]:

@@ -21,9 +21,6 @@ from refdof.stages import Stage
 
 __all__ = ["Expected", "Golden", "Tolerance", "golden_of", "tolerance_of"]
 
-# Values in 0 .. 1: texture coordinates near 1 are rounded to 2^-24, 2e-5 px of 320, and the first tap has a share of
-# 1/2; 398 sums in single precision add about 1e-6.
-_FILTER = 2e-5
 _ULP = 2.0**-23
 _LEAST = 2.0**-126  # denormal numbers may be taken for 0
 
@@ -83,7 +80,7 @@ def golden_of(case: Case) -> Golden:
     expected = {"image": _expected(case, image, picture, params, final)}
     for name, values in stages.items():
         stage = next(stage for stage in module.METHOD.stages if stage.names(name))
-        if _in_packs(stage):
+        if stage.name in module_of(case.method).STAGES:
             expected[name.replace(" ", "_")] = _expected(case, values, picture, params, stage, name)
     if case.rows == "up":
         picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
@@ -94,17 +91,10 @@ def golden_of(case: Case) -> Golden:
     return Golden(picture, params, expected)
 
 
-def _in_packs(stage: Stage) -> bool:
-    """Whether packs hold a stage: maps by a formula, and means. What else a tap reads has ties without bounds."""
-    if stage.comparison == "filter":
-        return stage.name == "mean *"
-    return stage.axes == "H W" and not stage.name.endswith("*")
-
-
 def _expected(case: Case, values: Float, picture: Picture, params: Any, stage: Stage, name: str = "image") -> Expected:
     single = values.astype(np.float32)
     low, high, ambiguity = single, single, np.zeros(values.shape[:2], dtype=bool)
-    tolerance = tolerance_of(stage, max(1.0, float(np.abs(picture.color).max())))
+    tolerance = tolerance_of(case.method, stage, max(1.0, float(np.abs(picture.color).max())))
     if stage.comparison == "filter":
         least, greatest, ambiguity = _tie_bounds(case.method, values, picture, params, name)
         tied = ambiguity[..., None] if values.ndim == 3 else ambiguity
@@ -137,17 +127,14 @@ def _circle_bounds(method: str, picture: Picture, params: Any, name: str) -> tup
     return circles if name == "coc" else module_of(method).of_circles(name, *circles, params)
 
 
-def tolerance_of(stage: Stage, scale: float) -> Tolerance:
-    """The tolerance of a stage of values up to `scale`, by how it is compared."""
+def tolerance_of(method: str, stage: Stage, scale: float) -> Tolerance:
+    """The tolerance of a method's stage of values up to `scale`, by how it is compared."""
     if stage.comparison == "exact":
         return Tolerance(0.0, 0.0, 1.0, 0.0, "nothing is rounded")
     if stage.comparison == "formula":
         return Tolerance(8 * _ULP, 8 * _ULP, 1.0, 0.0, "a few roundings of float32: 8 units in the last place")
-    reason = (
-        f"2e-5 of the largest colour, {scale:g}: texture coordinates in float32 move taps by up to 2e-5 px, of which "
-        "the first has a share of 1/2; hundreds of sums in float32"
-    )
-    return Tolerance(_FILTER * scale, 0.0, 10.0, 1e-3, reason)
+    share, reason = module_of(method).FILTER
+    return Tolerance(share * scale, 0.0, 10.0, 1e-3, f"{share:g} of the largest colour, {scale:g}: {reason}")
 
 
 def _outward(values: Float, towards: float) -> Float:
