@@ -424,6 +424,8 @@ INNER = {
     "refdof.optics.pixel_samples.LensPointSets",
     "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
+    "refdof.methods.singlepass.ties.Start",
+    "refdof.methods.singlepass.ties.bounds_from",
     "refdof.methods.multiview.method.cone_width",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",

@@ -16,16 +16,16 @@ from tests.ports.cases import CASES, caught, lay_down, mutated, outside
 SOURCE = (Path(__file__).parents[2] / "ports" / "c" / "singlepass.c").read_text()
 
 FAULTS = {
-    "the loop ends at half its bound": ("radius < p->max_blur_size;", "radius < 0.5f * p->max_blur_size;"),
-    "the loop ends a tap early": ("radius < p->max_blur_size;", "radius + p->rad_scale / radius < p->max_blur_size;"),
-    "the first tap is skipped": ("(float radius = p->rad_scale;", "(float radius = 2.0f * p->rad_scale;"),
+    "the loop ends at half its bound": ("radius < p->loop_bound;", "radius < 0.5f * p->loop_bound;"),
+    "the loop ends a tap early": ("radius < p->loop_bound;", "radius + p->rad_scale / radius < p->loop_bound;"),
+    "the first tap is skipped": ("(float radius = p->radius_start;", "(float radius = 2.0f * p->radius_start;"),
     "the radius grows by a constant": ("radius += p->rad_scale / radius)", "radius += p->rad_scale)"),
-    "the radius scale is the listing's": ("(float radius = p->rad_scale;", "(float radius = 0.5f;"),
-    "the largest circle is the listing's": ("radius < p->max_blur_size;", "radius < 20.0f;"),
+    "the radius scale is the listing's": ("(float radius = p->radius_start;", "(float radius = 0.5f;"),
+    "the largest circle is the listing's": ("radius < p->loop_bound;", "radius < 20.0f;"),
     "the spiral is mirrored": ("v + sinf(angle)", "v - sinf(angle)"),
     "sine for cosine": ("u + cosf(angle)", "u + sinf(angle)"),
     "a wrong digit of the golden angle": ("2.39996323f", "2.39966323f"),
-    "the angle is advanced first": ("total = 1.0f, angle = 0.0f", "total = 1.0f, angle = GOLDEN_ANGLE"),
+    "the angle is advanced first": ("angle = p->angle_start;", "angle = p->angle_step;"),
     "the ellipse of a scalar pixel size": ("sinf(angle) * pixel_v", "sinf(angle) * pixel_u"),
     "the pixel is left of its centre": ("((float)x + 0.5f)", "((float)x)"),
     "colour half a pixel off": ("float x = u * (float)p->width - 0.5f,", "float x = u * (float)p->width,"),
@@ -115,18 +115,24 @@ def test_no_planted_fault_passes(fault, compiler, folders, tmp_path):
     assert found is not None
 
 
+@pytest.mark.parametrize("line", ["depth_filter bilinear", "order size", "shift_x 0.5", "max_taps 9"])
+def test_what_it_does_not_do_is_status_77(line, program, tmp_path):
+    place = lay_down(CASES[0], tmp_path)
+    with (place / "params.txt").open("a") as file:
+        file.write(f"{line}\n")
+    done = subprocess.run([program, "--case", place, "--out", tmp_path], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 77
+    assert done.stderr == f"singlepass: {line.split()[0]}: a value that this port does not have\n"
+
+
 @pytest.mark.parametrize(
     ("file", "content", "message"),
     [
         ("params.txt", None, "params.txt: cannot be opened"),
-        ("params.txt", b"", "params.txt: width or height is missing"),
+        ("params.txt", b"", "params.txt: width, height or focus is missing"),
         ("params.txt", b"width 64\nheight -48\n", "height: no number, or out of range"),
         ("params.txt", b"width 64\nheight 48\nrad_scale nan\n", "rad_scale: no number, or out of range"),
-        (
-            "params.txt",
-            b"width 64\nheight 48\ndepth_filter bilinear\n",
-            "depth_filter: a filter that this port does not",
-        ),
+        ("params.txt", b"width 64\nheight 48\ncoc_scale 40\n", "params.txt: width, height or focus is missing"),
         ("inputs/coc.f32", None, "inputs/coc.f32: cannot be opened"),
         ("inputs/depth.f32", b"\0" * 7, "inputs/depth.f32: too short"),
         ("inputs/color.f32", b"\0" * (64 * 48 * 12 + 1), "inputs/color.f32: too long"),
