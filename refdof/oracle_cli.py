@@ -34,9 +34,14 @@ def add_commands(app: typer.Typer) -> None:
 def golden(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="A new folder, or an earlier pack.")],
     level: Annotated[
-        str, typer.Option("--level", metavar="|".join(LEVELS), help="core is small; full has every size.")
+        str,
+        typer.Option(
+            "--level", metavar="|".join(LEVELS), help="core is small; full has every size; extreme the ends of float32."
+        ),
     ] = "core",
     methods: Methods = None,
+    update: Annotated[bool, typer.Option("--update", help="Replace an earlier pack of other content.")] = False,
+    exr: Annotated[bool, typer.Option("--exr", help="Inputs and pictures as EXR, too.")] = False,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -45,7 +50,7 @@ def golden(
     A port needs the pack only, not refdof: its README says what to read and what to write.
     """
     set_threads(threads)
-    names = write_pack(out, level, None if methods is None else listed(methods))
+    names = write_pack(out, level, None if methods is None else listed(methods), update=update, exr=exr)
     files = [path for path in out.rglob("*") if path.is_file()]
     facts = {"out": str(out), "cases": len(names), "bytes": sum(path.stat().st_size for path in files)}
     print(json.dumps(facts) if as_json else ", ".join(f"{key}={value}" for key, value in facts.items()))

@@ -36,7 +36,8 @@ static const struct { const char *key; size_t place; float least, greatest; } NU
 };
 static const char *const ONLY[][2] = { /* the one value that this port has of a key */
     {"depth_filter", "nearest"}, {"color_filter", "bilinear"}, {"order", "depth"}, {"border", "clamp"},
-    {"max_taps", ""}, {"scale_x", "1.0"}, {"scale_y", "1.0"}, {"shift_x", "0.0"}, {"shift_y", "0.0"},
+    {"code", ""}, {"max_taps", ""}, {"scale_x", "1.0"}, {"scale_y", "1.0"}, {"shift_x", "0.0"},
+    {"shift_y", "0.0"},
 };
 
 static void fail(int status, const char *what, const char *why)
@@ -190,8 +191,7 @@ int main(int count, char **words)
     for (size_t i = 0; picture.coc_scale != 0.0f && i < pixels; i++)
         picture.coc[i] = picture.coc_scale * (1.0f / picture.focus - 1.0f / picture.depth[i]);
     float *image = calloc(3 * pixels, sizeof *image);
-    if (!image)
-        fail(2, "image.f32", "does not fit in memory");
+    if (!image) fail(2, "image.f32", "does not fit in memory");
     for (size_t i = 0; i < pixels; i++)
         depth_of_field(&picture, (int)(i % (size_t)picture.width), (int)(i / (size_t)picture.width), image + 3 * i);
     write_floats(words[4], "image.f32", image, 3 * pixels);

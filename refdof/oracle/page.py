@@ -143,7 +143,7 @@ def _shown(values: Float, span: tuple[float, float]) -> Float:
     low, high = span
     scaled = np.clip((values.astype(np.float64) - low) / (high - low), 0.0, 1.0)
     none = np.isnan(values.reshape(*values.shape[:2], -1)).any(axis=-1)
-    colors = scaled.reshape(*scaled.shape[:2], -1)
+    colors = scaled.reshape(*scaled.shape[:2], -1)[..., :3]
     if colors.shape[2] != 3:
         colors = np.repeat(colors[..., :1], 3, axis=-1)
     shown: Float = colors ** (1.0 / 2.2) if values.ndim == 3 else colors.copy()
