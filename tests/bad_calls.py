@@ -434,6 +434,8 @@ INNER = {
     "refdof.methods.lensblur.method.prepare",
     "refdof.methods.lensblur.method.trace",
     "refdof.methods.multiview.method.Prepared",
+    "refdof.methods.singlepass.ties.Start",
+    "refdof.methods.singlepass.ties.bounds_from",
     "refdof.methods.multiview.method.cone_width",
     "refdof.methods.multiview.method.prepare",
     "refdof.methods.multiview.method.send_rays",

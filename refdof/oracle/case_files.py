@@ -22,7 +22,7 @@ from refdof.methods import METHODS
 from refdof.oracle.case import Case
 from refdof.oracle.cases import module_of
 from refdof.oracle.device_depth import DEVICE_DEPTHS, Planes, circle_error, device_depth, planes_of
-from refdof.oracle.goldens import Expected, Golden
+from refdof.oracle.goldens import Expected, Golden, Tolerance
 from refdof.oracle.inputs import INPUTS, ORIGINS
 from refdof.oracle.pictures import Picture
 from refdof.oracle.preview import preview_of
@@ -142,7 +142,13 @@ def _write_expected(folder: Path, name: str, one: Expected, exr: bool = False) -
         entry["ambiguity"] = parts["ambiguity"]
         _save(folder / parts["ambiguity"], one.ambiguity)
     share = float(f"{one.ambiguity.mean():.4g}")
-    return {**entry, "ambiguous_share": share, "meaning": one.meaning, "tolerance": asdict(one.tolerance)}
+    return {**entry, "ambiguous_share": share, "meaning": one.meaning, "tolerance": _limits(one.tolerance)}
+
+
+def _limits(tolerance: Tolerance) -> dict[str, Any]:
+    """The tolerance, but for limits that it does not have."""
+    without = {"max_rms": None, "nan": "forbid"}
+    return {key: value for key, value in asdict(tolerance).items() if key not in without or value != without[key]}
 
 
 def _write_both(folder: Path, name: str, values: Float, exr: bool) -> dict[str, Any]:

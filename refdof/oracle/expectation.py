@@ -23,7 +23,7 @@ _MOST_CHANNELS = 4
 
 
 class Part(NamedTuple):
-    """A stage or the image: (H, W) or (H, W, C) each, and the tolerance."""
+    """A stage or the image: (h, w) or (h, w, C) each, and the tolerance. A stage may have another size."""
 
     values: Float
     low: Float
@@ -83,9 +83,8 @@ def words_of(pack: Pack) -> tuple[set[str], set[str]]:
 def _part(pack: Pack, case: str, part: str, entry: Any, size: tuple[int, int]) -> Part:
     try:
         shape = tuple(entry["shape"])
-        channels = shape[2:]
-        fits = shape[:2] == size and all(_is_whole(count) and 1 <= count <= _MOST_CHANNELS for count in channels)
-        if not fits or len(shape) > 3 or (part == "image" and channels != (3,)):
+        fits = len(shape) in (2, 3) and all(_is_whole(side) and 1 <= side <= _LARGEST_SIDE for side in shape)
+        if not fits or max(shape[2:], default=1) > _MOST_CHANNELS or (part == "image" and shape != (*size, 3)):
             raise ValueError("the shape")
         paths = (entry["npy"], entry.get("low", entry["npy"]), entry.get("high", entry["npy"]))
         tolerance = _tolerance(entry["tolerance"])

@@ -16,6 +16,9 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError
+from refdof.methods.poisson import Params as PoissonParams
+from refdof.methods.poisson import code_of, shrink
+from refdof.methods.poisson.ties import bounds_of_coded
 from refdof.methods.singlepass import Params
 from refdof.methods.singlepass.ties import Start, bounds_from
 from refdof.oracle.verdict import PASS, Finding
@@ -106,4 +109,25 @@ def _step(name: str) -> int | None:
     return int(number) if word == "mean" and number.isdecimal() else None
 
 
-_METHODS: dict[str, Callable[[str, Images, Any, dict[str, Float]], Pair | None]] = {"singlepass": _singlepass}
+def _poisson(part: str, images: Images, params: PoissonParams, given: dict[str, Float]) -> Pair | None:
+    """The code comes of circles or of depth, the small picture of the code, and means of both."""
+    color, depth, coc = images
+    code = code_of(depth, given.get("coc", coc).astype(np.float64), params)
+    if part == "code":
+        return code, code
+    coded = np.concatenate([color, given.get("code", code).astype(np.float64)[..., None]], axis=-1)
+    if part == "small":
+        small = shrink(coded, params.small_size)
+        return small, small
+    if part != "image" and _step(part) is None:
+        return None
+    small = given["small"].astype(np.float64) if "small" in given else shrink(coded, params.small_size)
+    loop = params if part == "image" else replace(params, max_taps=_step(part))
+    low, high, _ = bounds_of_coded(coded, small, loop)
+    return low, high
+
+
+_METHODS: dict[str, Callable[[str, Images, Any, dict[str, Float]], Pair | None]] = {
+    "singlepass": _singlepass,
+    "poisson": _poisson,
+}

@@ -128,13 +128,13 @@ def _double(part: Part) -> tuple[Float, Float]:
 
 
 def _span(golden: Float) -> tuple[float, float]:
-    """What is black and what is white: 0 .. 1 or more of light; the range of a map."""
+    """What is black and what is white: light from 0 to all but the brightest; a map from its least to its greatest."""
     finite = golden[np.isfinite(golden)]
     if not finite.size:
         return 0.0, 1.0
-    if golden.ndim == 3:
-        return 0.0, max(1.0, float(np.quantile(finite, 0.99)))
     least, most = float(finite.min()), float(finite.max())
+    if golden.ndim == 3:
+        least, most = 0.0, float(np.quantile(finite, 0.995)) or most
     return least, most if most > least else least + 1.0
 
 
@@ -143,7 +143,7 @@ def _shown(values: Float, span: tuple[float, float]) -> Float:
     low, high = span
     scaled = np.clip((values.astype(np.float64) - low) / (high - low), 0.0, 1.0)
     none = np.isnan(values.reshape(*values.shape[:2], -1)).any(axis=-1)
-    colors = scaled.reshape(*scaled.shape[:2], -1)
+    colors = scaled.reshape(*scaled.shape[:2], -1)[..., :3]
     if colors.shape[2] != 3:
         colors = np.repeat(colors[..., :1], 3, axis=-1)
     shown: Float = colors ** (1.0 / 2.2) if values.ndim == 3 else colors.copy()

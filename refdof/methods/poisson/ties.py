@@ -21,7 +21,7 @@ from refdof.methods.poisson.method import coded_and_small
 from refdof.methods.poisson.params import Params
 from refdof.stages import Bounds
 
-__all__ = ["bounds"]
+__all__ = ["bounds", "bounds_of_coded"]
 
 _NOTHING = 1e-4  # a sum of weights below this may be 0 for others, whose pixel then keeps its colour
 
@@ -59,7 +59,12 @@ def bounds(color: Float, depth: Float, coc: Float, params: Params = Params(), ha
     as_instance("params", params, Params)
     hair = as_number("hair", hair, minimum=0.0, maximum=0.25)
     color, depth, coc = (image.astype(np.float64) for image in as_images(color, depth, coc))
-    coded, small = coded_and_small(color, depth, coc, params)
+    return bounds_of_coded(*coded_and_small(color, depth, coc, params), params, hair)
+
+
+def bounds_of_coded(coded: Float, small: Float, params: Params, hair: float = 3e-5) -> Bounds:
+    """`bounds`, after validation and in float64, of a picture with its code (H, W, 4) and a small one (h, w, 4)."""
+    color = coded[..., :3]
     low, high = np.empty_like(color), np.empty_like(color)
     for y in range(len(color)):  # a row at a time: all taps of it fit a cache
         rows = slice(y, y + 1)
