@@ -194,9 +194,9 @@ def test_a_shader_that_never_ends_takes_no_other_case_with_it(outcomes):
         "    return color / total;",
         "    while (uPixelSize.x < 0.05) color += 0.001 * color; return color / total;",
     )
-    found = outcomes(text, timeout=1.0)
+    found = outcomes(text, timeout=3.0)
     assert statuses(found) == ["error", *["pass"] * 4]
-    assert found[0].message == "the shader ran for more than 1 s and was ended"
+    assert found[0].message == "the shader ran for more than 3 s and was ended"
 
 
 def test_a_driver_that_crashes_is_an_error_of_its_case(pack, monkeypatch):

@@ -125,6 +125,6 @@ def test_a_shader_that_never_ends_takes_no_other_case_with_it(outcomes):
     text = mutated(
         WGSL, "return color / total;", "while (settings.uPixelSize.x < 0.05) { color *= 1.001; } return color / total;"
     )
-    found = outcomes(text, timeout=1.0)
+    found = outcomes(text, timeout=3.0)
     assert statuses(found) == ["error", *["pass"] * 4], found
-    assert found[0].message == "the shader ran for more than 1 s and was ended"
+    assert found[0].message == "the shader ran for more than 3 s and was ended"

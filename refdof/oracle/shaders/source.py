@@ -18,8 +18,8 @@ from refdof.methods import METHODS
 from refdof.oracle.files import FileFault
 from refdof.oracle.shaders.bindings import Plan, plan_of, read_bindings
 from refdof.oracle.shaders.case import case_values
+from refdof.oracle.shaders.drawing.slots import Slot
 from refdof.oracle.shaders.process import Ended, Process
-from refdof.oracle.shaders.slots import Slot
 from refdof.oracle.sources import NotSupported, Task
 
 __all__ = ["SUFFIXES", "ShaderSource", "of_shader"]
@@ -139,7 +139,7 @@ class ShaderSource:
         if "error" in answer:
             self.close()
             raise InputError(f"shader: {self._name}: {answer['error']}")
-        return [Slot(*slot[:4], tuple(slot[4])) for slot in answer["slots"]]
+        return [Slot._make(slot) for slot in answer["slots"]]
 
 
 def _language(path: Path) -> str:
