@@ -499,7 +499,7 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "data")):
+        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "oracle.", "data")):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

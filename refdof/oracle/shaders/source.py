@@ -28,6 +28,7 @@ SUFFIXES = {".frag": "glsl", ".glsl": "glsl", ".fs": "glsl", ".wgsl": "wgsl"}
 _PACKAGES = {"glsl": "moderngl", "wgsl": "wgpu"}
 _LARGEST_FILE = 2**20
 _START_S = 60.0  # to start a process and compile; a compiler is not a shader
+_LONGEST_S = 1e6
 _BY_HOST = {"depth_filter", "color_filter", "row_order", "precision"}  # what the host of a shader decides
 
 
@@ -58,7 +59,7 @@ class ShaderSource:
 
     def __init__(self, file: str | os.PathLike[str], bindings: str | os.PathLike[str] | None, timeout: float) -> None:
         path = as_path("shader", file)
-        self._timeout = as_number("timeout", timeout, above=0.0)
+        self._timeout = as_number("timeout", timeout, above=0.0, maximum=_LONGEST_S)
         self._name, self._text, self._language = path.name, _text(path), _language(path)
         self._method = next((name for name in METHODS if path.stem.lower().startswith(name)), "singlepass")
         self._given = {} if bindings is None else read_bindings(bindings)
