@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from refdof import InputError
-from refdof.oracle.shaders import glsl_text, wgsl_text
+from refdof.oracle.shaders.drawing import glsl_text, wgsl_text
+from refdof.oracle.shaders.drawing.messages import receive, send
+from refdof.oracle.shaders.drawing.slots import ShaderFault
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
-from refdof.oracle.shaders.messages import receive, send
 from refdof.oracle.shaders.names import sampler_meaning, usual_number, usual_texture
-from refdof.oracle.shaders.slots import ShaderFault
 
 pytestmark = pytest.mark.fast
 

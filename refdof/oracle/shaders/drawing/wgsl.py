@@ -1,6 +1,6 @@
 """WGSL fragment and compute shaders through wgpu, on Mesa's lavapipe: float32 textures in, a float32 picture out.
 
-The only file that imports wgpu. Always the software renderer, for the reasons of `refdof.oracle.shaders.glsl`.
+The only file that imports wgpu. Always the software renderer, for the reasons of `refdof.oracle.shaders.drawing.glsl`.
 """
 
 from collections.abc import Mapping
@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import wgpu
 
-from refdof._check import Float
-from refdof.oracle.shaders.slots import ShaderFault, Slot
-from refdof.oracle.shaders.wgsl_text import Module, compiler_message, module_of, vertex_shader
+from .slots import ShaderFault, Slot
+from .wgsl_text import Module, compiler_message, module_of, vertex_shader
 
 __all__ = ["WGSL"]
 
@@ -61,8 +60,12 @@ class WGSL:
         return slots
 
     def draw(
-        self, size: tuple[int, int], uniforms: Mapping[str, list[float]], textures: Mapping[str, Float], filters: Any
-    ) -> Float:
+        self,
+        size: tuple[int, int],
+        uniforms: Mapping[str, list[float]],
+        textures: Mapping[str, np.ndarray],
+        filters: Mapping[str, str],
+    ) -> np.ndarray:
         """Draw a picture (H, W, 3) of `size` (W, H)."""
         device, module = self._device, self._module
         usage = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_SRC
@@ -136,7 +139,7 @@ class WGSL:
             entries[one.group].append({"binding": one.binding, "visibility": stage, **_LAYOUTS[one.kind]})
         return [self._device.create_bind_group_layout(entries=given) for given in entries]
 
-    def _texture(self, image: Float) -> Any:
+    def _texture(self, image: np.ndarray) -> Any:
         """A texture of an image (H, W, C)."""
         height, width, components = image.shape
         if components == 3:
@@ -146,7 +149,7 @@ class WGSL:
         self._write(made, image)
         return made
 
-    def _write(self, texture: Any, image: Float) -> None:
+    def _write(self, texture: Any, image: np.ndarray) -> None:
         height, width, components = image.shape
         self._device.queue.write_texture(
             {"texture": texture},

@@ -8,7 +8,7 @@
 import re
 from typing import NamedTuple
 
-from refdof.oracle.shaders.slots import ShaderFault
+from .slots import ShaderFault
 
 __all__ = ["Member", "Module", "Variable", "compiler_message", "module_of", "vertex_shader"]
 

@@ -2,16 +2,14 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 import numpy as np
-
-from refdof._check import Float
 
 __all__ = ["receive", "send"]
 
 
-def send(stream: BinaryIO, message: Mapping[str, Any], arrays: Mapping[str, Float] | None = None) -> None:
+def send(stream: IO[bytes], message: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> None:
     """Write a message and arrays of any shape, which arrive as float32."""
     single = {name: np.ascontiguousarray(array, dtype="<f4") for name, array in (arrays or {}).items()}
     shapes = {name: array.shape for name, array in single.items()}
@@ -21,7 +19,7 @@ def send(stream: BinaryIO, message: Mapping[str, Any], arrays: Mapping[str, Floa
     stream.flush()
 
 
-def receive(stream: BinaryIO) -> tuple[dict[str, Any], dict[str, Float]]:
+def receive(stream: IO[bytes]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Read a message and its arrays.
 
     Raises

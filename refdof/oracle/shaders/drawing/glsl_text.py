@@ -8,7 +8,7 @@
 import re
 from typing import NamedTuple
 
-from refdof.oracle.shaders.slots import COUNTS, ShaderFault
+from .slots import COUNTS, ShaderFault
 
 __all__ = ["Fragment", "compiler_message", "has_initial_value", "vertex_shader", "whole_fragment"]
 

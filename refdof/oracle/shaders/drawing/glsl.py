@@ -10,9 +10,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from refdof._check import Float
-from refdof.oracle.shaders.glsl_text import compiler_message, has_initial_value, vertex_shader, whole_fragment
-from refdof.oracle.shaders.slots import ShaderFault, Slot
+from .glsl_text import compiler_message, has_initial_value, vertex_shader, whole_fragment
+from .slots import ShaderFault, Slot
 
 __all__ = ["GLSL"]
 
@@ -47,19 +46,20 @@ class GLSL:
         """Compile a fragment shader and say what it reads."""
         fragment = whole_fragment(text)
         try:
-            self._program = self._context.program(
+            self._program: Any = self._context.program(
                 vertex_shader=vertex_shader(fragment.inputs), fragment_shader=fragment.text
             )
         except moderngl.Error as error:
             raise ShaderFault(compiler_message(str(error))) from None
         self._triangle = self._context.vertex_array(self._program, [])
-        slots, self._initial = [], {}
+        slots, self._initial = [], dict[str, Any]()
         for name in self._program:
-            member = self._program[name]
-            if isinstance(member, moderngl.UniformBlock):
+            found = self._program[name]
+            if isinstance(found, moderngl.UniformBlock):
                 raise ShaderFault(f"{name}: is a uniform block; allowed are single uniforms")
-            if not isinstance(member, moderngl.Uniform):
+            if not isinstance(found, moderngl.Uniform):
                 continue
+            member: Any = found  # moderngl's own types lack gl_type
             if member.gl_type == _SAMPLER_2D and member.array_length == 1:
                 slots.append(Slot(name, "texture", "sampler2D"))
                 continue
@@ -69,8 +69,12 @@ class GLSL:
         return slots
 
     def draw(
-        self, size: tuple[int, int], uniforms: Mapping[str, list[float]], textures: Mapping[str, Float], filters: Any
-    ) -> Float:
+        self,
+        size: tuple[int, int],
+        uniforms: Mapping[str, list[float]],
+        textures: Mapping[str, np.ndarray],
+        filters: Mapping[str, str],
+    ) -> np.ndarray:
         """Draw a picture (H, W, 3) of `size` (W, H). Uniforms without a number have their initial value."""
         held = []
         for name, value in self._initial.items():
@@ -94,7 +98,7 @@ class GLSL:
             raise ShaderFault(f"OpenGL says {failed}")
         return np.frombuffer(data, dtype="<f4").reshape(size[1], size[0], 4)[:, :, :3]
 
-    def _texture(self, image: Float, *, linear: bool) -> Any:
+    def _texture(self, image: np.ndarray, *, linear: bool) -> Any:
         """A texture of an image (H, W, C), clamped to the edge, without mipmaps."""
         height, width, components = image.shape
         texture = self._context.texture((width, height), components, image.tobytes(), alignment=4, dtype="f4")

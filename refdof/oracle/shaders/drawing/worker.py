@@ -9,26 +9,29 @@ import os
 import signal
 from typing import Any
 
-from refdof._check import Float
-from refdof.oracle.shaders.messages import receive, send
-from refdof.oracle.shaders.slots import ShaderFault
+import numpy as np
 
-__all__: list[str] = []
+from .messages import receive, send
+from .slots import ShaderFault
+
+__all__ = ["answer_all"]
 
 _GRACE_S = 5  # the other side ends a late draw; where it is gone, this does
 
 
 def _drawer(language: str) -> Any:
     if language == "wgsl":
-        from refdof.oracle.shaders.wgsl import WGSL
+        from .wgsl import WGSL
 
         return WGSL()
-    from refdof.oracle.shaders.glsl import GLSL
+    from .glsl import GLSL
 
     return GLSL()
 
 
-def _answer(drawer: Any, message: dict[str, Any], arrays: dict[str, Float]) -> tuple[dict[str, Any], dict[str, Float]]:
+def _answer(
+    drawer: Any, message: dict[str, Any], arrays: dict[str, np.ndarray]
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     if message["do"] == "compile":
         return {"slots": [list(slot) for slot in drawer.compile(message["text"])]}, {}
     signal.alarm(math.ceil(message["seconds"]) + _GRACE_S)
@@ -38,7 +41,8 @@ def _answer(drawer: Any, message: dict[str, Any], arrays: dict[str, Float]) -> t
     return {}, {"image": image}
 
 
-def _answer_all() -> None:
+def answer_all() -> None:
+    """Answer until the input ends."""
     questions, answers = os.fdopen(0, "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a driver may print is no answer
     drawer = None
@@ -57,7 +61,3 @@ def _answer_all() -> None:
             said = (str(error).strip() or "no reason given").splitlines()[0]
             answer, images = {"error": f"{type(error).__name__}: {said}"}, {}
         send(answers, answer, images)
-
-
-if __name__ == "__main__":
-    _answer_all()
