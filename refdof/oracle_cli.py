@@ -81,7 +81,7 @@ def check(
     if junit_file is not None:
         write_text(junit_file, junit(report))
     if report.counts()[FAIL]:
-        for line in diagnose_source(_source(results, impl, timeout), pack).lines():
+        for line in diagnose_source(_source(results, impl, timeout), pack, probes=False).lines():
             print(line)
     raise typer.Exit(0 if report.passed else 1)
 
@@ -103,7 +103,7 @@ def diagnose(
 
     The exit status is 0 if nothing is.
     """
-    found = diagnose_source(_source(results, impl, timeout), pack, case)
+    found = diagnose_source(_source(results, impl, timeout), pack, case, probes=impl is not None)
     for line in found.lines():
         print(line)
     if json_file is not None:
