@@ -135,7 +135,7 @@ def check(
             print(f"warning: {line}", file=sys.stderr)
         print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
         if report.counts()[FAIL]:
-            for line in diagnose_source(source, pack).lines():
+            for line in diagnose_source(source, pack, probes=False).lines():
                 print(line)
     if html_file is not None:
         write_text(html_file, check_page(report, pictures))
@@ -161,7 +161,7 @@ def diagnose(
     The exit status is 0 if nothing is.
     """
     with _source(results, impl, shader, bindings, timeout) as source:
-        found = diagnose_source(source, pack, case)
+        found = diagnose_source(source, pack, case, probes=results is None)
     for line in found.lines():
         print(line)
     if json_file is not None:
