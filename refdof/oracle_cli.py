@@ -1,4 +1,4 @@
-"""The oracle's commands: `refdof golden | check`."""
+"""The oracle's commands: `refdof golden | check | diagnose`."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,10 @@ from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.oracle import check_command, check_results, check_shader, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
+from refdof.oracle.diagnosis import diagnose_source
 from refdof.oracle.junit import junit
+from refdof.oracle.sources import Source, of_command, of_folder
+from refdof.oracle.verdict import FAIL
 
 __all__ = ["add_commands"]
 
@@ -25,6 +28,7 @@ def add_commands(app: typer.Typer) -> None:
     """Give `app` the commands of the oracle."""
     app.command()(golden)
     app.command()(check)
+    app.command()(diagnose)
 
 
 def golden(
@@ -87,4 +91,39 @@ def check(
         write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
     if junit_file is not None:
         write_text(junit_file, junit(report))
+    if report.counts()[FAIL]:
+        for line in diagnose_source(_source(results, impl, timeout), pack).lines():
+            print(line)
     raise typer.Exit(0 if report.passed else 1)
+
+
+def diagnose(
+    pack: Annotated[Path, typer.Option("--pack", metavar="DIR", help="What `refdof golden` wrote.")],
+    results: Annotated[
+        Path | None, typer.Option("--results", metavar="DIR", help="One folder for each case, with image.f32 or .npy.")
+    ] = None,
+    impl: Annotated[
+        str | None,
+        typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
+    ] = None,
+    case: Annotated[str | None, typer.Option("--case", metavar="NAME", help="Look at this case only.")] = None,
+    timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
+) -> None:
+    """Say what is wrong with a port of singlepass: its taps and weights, and the mistake that gives its output.
+
+    The exit status is 0 if nothing is.
+    """
+    found = diagnose_source(_source(results, impl, timeout), pack, case)
+    for line in found.lines():
+        print(line)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n")
+    raise typer.Exit(0 if found.key == "none" else 1)
+
+
+def _source(results: Path | None, impl: str | None, timeout: float) -> Source:
+    """The one that is given."""
+    if (results is None) == (impl is None):
+        raise InputError("results, impl: got both or none; allowed is one of the two")
+    return of_folder(results) if results is not None else of_command(impl or "", timeout)

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import pytest
 
+from refdof.oracle.diagnosis.causes import STAGES, cause_of
 from tests.gl.shader import GLMissing, open_context
 from tests.oracle.mutations import ROWS, VARIANTS
 from tests.oracle.mutations.row import text_of
@@ -53,6 +54,16 @@ def test_every_change_is_one_and_every_name_another():
     for rows in (ROWS, VARIANTS):
         assert len({(row.port, row.name) for row in rows}) == len(rows)
     assert len(ROWS) >= 75
+
+
+@pytest.mark.fast
+def test_the_truth_is_said_in_known_words():
+    for row in ROWS:
+        if row.cause == "error":
+            assert row.stage == ""
+        else:
+            assert row.stage in STAGES
+            assert all(cause_of(key) for key in row.cause.split(" or "))
 
 
 @pytest.mark.gl

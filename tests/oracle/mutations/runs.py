@@ -16,7 +16,7 @@ from unittest import mock
 
 import numpy as np
 
-from refdof.oracle import write_pack
+from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
 from refdof.oracle.checking import STATUSES, Report, _check
 from refdof.oracle.files import FileFault, open_pack
@@ -87,9 +87,12 @@ class Bench:
     def result_of(self, row: Row) -> Result:
         """The check of a wrong port, and what is named as its cause."""
         began = time.perf_counter()
-        report = self.report_of(row.port, row.text)
-        status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
-        return Result(row, status, "", "", time.perf_counter() - began)
+        with self.source_of(row.port, row.text) as source:
+            report = _check(open_pack(self.pack), source, None)
+            status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
+            named = diagnose(source, self.pack).causes[0] if status == "fail" else None
+        stage, cause = (named.stage, named.key) if named else ("", "")
+        return Result(row, status, stage, cause, time.perf_counter() - began)
 
     def _built(self, text: str) -> Path:
         """Compile a C port."""
