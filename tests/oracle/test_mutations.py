@@ -1,7 +1,7 @@
 """The checker, tested by mutation: no wrong port passes, no right one fails, and most are told what is wrong.
 
 Wrong ports are rows of `tests.oracle.mutations`. Their truth was written down from what each change does.
-REFDOF_REQUIRE_CC=1 and REFDOF_REQUIRE_GL=1 make a missing compiler or OpenGL a failure.
+REFDOF_REQUIRE_CC=1, REFDOF_REQUIRE_GL=1 and REFDOF_REQUIRE_VULKAN=1 make what is missing a failure.
 """
 
 import os
@@ -10,14 +10,16 @@ from functools import lru_cache
 
 import pytest
 
+from refdof.oracle.diagnosis.causes import STAGES, cause_of
 from tests.gl.shader import GLMissing, open_context
 from tests.oracle.mutations import ROWS, VARIANTS
 from tests.oracle.mutations.row import text_of
 from tests.oracle.mutations.runs import Bench
 from tests.oracle.mutations.table import shares
+from tests.oracle.shader_cases import need
 
 
-def needed(variable, reason):
+def _missing(variable, reason):
     """Skip, or fail where CI requires what is missing."""
     if os.environ.get(variable) == "1":
         pytest.fail(f"{variable} is set, but {reason}", pytrace=False)
@@ -25,13 +27,14 @@ def needed(variable, reason):
 
 
 @pytest.fixture(scope="module")
-def bench():
+def bench(tmp_path_factory):
+    need("wgsl", tmp_path_factory.mktemp("wgsl"))
     if shutil.which("cc") is None:
-        needed("REFDOF_REQUIRE_CC", "no C compiler: there is no `cc`")
+        _missing("REFDOF_REQUIRE_CC", "no C compiler: there is no `cc`")
     try:
         context = open_context()
     except GLMissing as missing:
-        needed("REFDOF_REQUIRE_GL", str(missing))
+        _missing("REFDOF_REQUIRE_GL", str(missing))
     with Bench(context) as opened:
         yield opened
 
@@ -51,6 +54,16 @@ def test_every_change_is_one_and_every_name_another():
     for rows in (ROWS, VARIANTS):
         assert len({(row.port, row.name) for row in rows}) == len(rows)
     assert len(ROWS) >= 75
+
+
+@pytest.mark.fast
+def test_the_truth_is_said_in_known_words():
+    for row in ROWS:
+        if row.cause == "error":
+            assert row.stage == ""
+        else:
+            assert row.stage in STAGES
+            assert all(cause_of(key) for key in row.cause.split(" or "))
 
 
 @pytest.mark.gl

@@ -79,6 +79,19 @@ _GLSL = (
     ("clamp for min", ("min(tapSize, centerSize * uBehindFactor)", "clamp(tapSize, 0.0, centerSize * uBehindFactor)")),
 )  # fmt: skip
 
+_WGSL = (
+    ("as it is",),
+    ("mix written out",
+     ("mix(color / total, colorAt(place), m)", "color / total * (1.0 - m) + colorAt(place) * m")),
+    ("one step of fma for a place",
+     ("texCoord + vec2f(cos(angle), sin(angle)) * settings.uPixelSize * radius",
+      "fma(vec2f(cos(angle), sin(angle)), settings.uPixelSize * radius, texCoord)")),
+    ("depth by integer coordinates",
+     ("textureSampleLevel(uDepth, depthSampler, place, 0.0).r",
+      "textureLoad(uDepth, clamp(vec2i(floor(place / settings.uPixelSize)), vec2i(0), "
+      "vec2i(textureDimensions(uDepth)) - 1), 0).r")),
+)  # fmt: skip
+
 _HOST = (
     ("depth in scene units", ("stored = depth / far", "stored = depth"), ('"uFar": far,', '"uFar": 1.0,')),
     ("colour with alpha",
@@ -88,6 +101,6 @@ _HOST = (
 
 VARIANTS = tuple(
     Variant(port, name, tuple(changes))
-    for port, rows in (("c", _C), ("glsl", _GLSL), ("host", _HOST))
+    for port, rows in (("c", _C), ("glsl", _GLSL), ("wgsl", _WGSL), ("host", _HOST))
     for name, *changes in rows
 )

@@ -21,7 +21,7 @@ _RANDOM = "fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453)"
 
 _ROWS = (
     # Depth, and circles of it
-    ("circles are linear in depth", "coc", "coc_linear or coc_inverse",
+    ("circles are linear in depth", "coc", "coc_linear",
      "(1.0 / focusPoint - 1.0 / depth)", "((depth - focusPoint) / focusPoint)"),
     ("circles are a smoothstep of depth", "coc", "coc_smoothstep",
      _CIRCLE, "smoothstep(0.0, 4.0, abs(depth - focusPoint))"),

@@ -15,6 +15,7 @@ _ROOT = Path(__file__).parents[3]
 TEXTS = {
     "c": _ROOT / "ports" / "c" / "singlepass.c",
     "glsl": _ROOT / "ports" / "glsl" / "singlepass.frag",
+    "wgsl": _ROOT / "ports" / "wgsl" / "singlepass.wgsl",
     "host": Path(__file__).parent / "host.py",
 }
 """What rows change: the ports, and a host of the GLSL port."""

@@ -8,17 +8,19 @@
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 from unittest import mock
 
 import numpy as np
 
-from refdof.oracle import write_pack
+from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
 from refdof.oracle.checking import STATUSES, Report, _check
 from refdof.oracle.files import FileFault, open_pack
+from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, Task, of_command, of_folder
 from tests.oracle.mutations.row import TEXTS, Row
 from tests.oracle.mutations.table import Result
@@ -59,26 +61,38 @@ class Bench:
         self._folder.cleanup()
         self._context.release()
 
-    def source_of(self, port: str, text: str) -> Source:
+    @contextmanager
+    def source_of(self, port: str, text: str) -> Iterator[Source]:
         """What a port with this text makes of cases."""
         if port == "c":
-            return of_command(f"{self._built(text)} --case {{case}} --out {{out}}", TIMEOUT_S)
+            yield of_command(f"{self._built(text)} --case {{case}} --out {{out}}", TIMEOUT_S)
+            return
+        if port == "wgsl":
+            file = Path(tempfile.mkdtemp(dir=self._folder.name)) / "singlepass.wgsl"
+            file.write_text(text, encoding="utf-8")
+            with of_shader(file, None, TIMEOUT_S) as drawn:
+                yield drawn
+            return
         host = text if port == "host" else TEXTS["host"].read_text(encoding="utf-8")
         shader = text if port == "glsl" else TEXTS["glsl"].read_text(encoding="utf-8")
         names: dict[str, Any] = {}
         exec(compile(host, "host.py", "exec"), names)
-        return _of_host(names["run"], shader, self._context)
+        yield _of_host(names["run"], shader, self._context)
 
     def report_of(self, port: str, text: str) -> Report:
         """The check of a port with this text."""
-        return _check(open_pack(self.pack), self.source_of(port, text), None)
+        with self.source_of(port, text) as source:
+            return _check(open_pack(self.pack), source, None)
 
     def result_of(self, row: Row) -> Result:
         """The check of a wrong port, and what is named as its cause."""
         began = time.perf_counter()
-        report = self.report_of(row.port, row.text)
-        status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
-        return Result(row, status, "", "", time.perf_counter() - began)
+        with self.source_of(row.port, row.text) as source:
+            report = _check(open_pack(self.pack), source, None)
+            status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
+            named = diagnose(source, self.pack).causes[0] if status == "fail" else None
+        stage, cause = (named.stage, named.key) if named else ("", "")
+        return Result(row, status, stage, cause, time.perf_counter() - began)
 
     def _built(self, text: str) -> Path:
         """Compile a C port."""
