@@ -119,8 +119,8 @@ def _read_case(folder: Path) -> _Case:
         raise InputError(f"case: {folder.name}: {fault}") from None
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"case: case.json of {folder.name} lacks or garbles {error}") from None
-    given = given_pictures(*(np.ascontiguousarray(image) for image in images), *lens)
-    return _Case(method, make_params(method, values), given)
+    color, depth, coc = (np.ascontiguousarray(image) for image in images)
+    return _Case(method, make_params(method, values), given_pictures(color, depth, coc, *lens))
 
 
 def _check_out(folder: Path) -> None:

@@ -56,7 +56,7 @@ def explain(view: View, params: Any, pixel: tuple[int, int], stage: str = "image
     circles = view.lens.coc_px(depth[at], view.camera)
     rows = np.column_stack([places[:, 0], places[:, 2] + 0.5, places[:, 1] + 0.5, depth[at], circles, color[at]])
     layers, visible, alpha = _layers(view, params, stages, depth, pixel)
-    columns = (*_COLUMNS, "weight")
+    columns: tuple[str, ...] = (*_COLUMNS, "weight")
     notes = [f"the layers' opacity adds up to {alpha:.6g}" + (", by which they are divided" * params.normalize)]
     if split:
         divided = alpha if params.normalize and alpha > 0.0 else 1.0

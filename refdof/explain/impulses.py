@@ -39,9 +39,9 @@ def weights_of(
     count = 1
     while blocks:
         batch, blocks = blocks[-3:], blocks[:-3]
-        color = np.zeros((*shape, 3), dtype=dtype)
+        color: Float = np.zeros((*shape, 3), dtype=dtype)
         for channel, block in enumerate(batch):
-            color[(*(slice(*ends) for ends in block), channel)] = 1
+            color[tuple(slice(first, end) for first, end in block)][..., channel] = 1
         answers = np.asarray(respond(color), dtype=np.float64)
         count = len(answers)
         for channel, block in enumerate(batch):

@@ -16,7 +16,7 @@ __all__ = ["save_picture"]
 
 _MARGIN = 2.0  # px around what is shown
 _LEAST_REACH = 4.0  # px
-_LARGEST_DOT = 260.0  # points^2
+_LARGEST_DOT, _LEAST_DOT = 260.0, 3.0  # points^2
 _SHARE = 0.999  # of the weight lies in what is shown
 
 
@@ -54,7 +54,7 @@ def _draw(axes: Any, explanation: Explanation) -> None:
             order = np.argsort(distance)
             inside = np.cumsum(weight[drawn][order]) <= _SHARE * weight.sum()
             reach = max(reach, float(distance[order][inside].max(initial=0.0)))
-            size = _LARGEST_DOT * weight[drawn] / weight.max()
+            size = np.maximum(_LARGEST_DOT * weight[drawn] / weight.max(), _LEAST_DOT)
             axes.scatter(*places[drawn].T, s=size, c=color[drawn], edgecolors="black", linewidths=0.5, zorder=3)
     axes.add_patch(_square(x, y))
     reach += _MARGIN

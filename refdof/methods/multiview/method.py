@@ -245,9 +245,10 @@ def prepare(view: View, params: Params, recorder: StageRecorder) -> Prepared:
         params.offscreen == "discard",
     )
     record_rays(recorder, fields, pattern, search)
-    chain = None if params.cones == "none" else chain_of(surface, layers, widening, params.wall_px)
-    if chain is not None:
-        recorder.record_all(lambda: {"mip_texels": chain.texels, "mip_closed": chain.closed, "mip_levels": chain.level})
+    chain: MipChain | None = None
+    if params.cones != "none":
+        chain = made = chain_of(surface, layers, widening, params.wall_px)
+        recorder.record_all(lambda: {"mip_texels": made.texels, "mip_closed": made.closed, "mip_levels": made.level})
     return Prepared(layers, surface, chain, pattern, widening, fields, search, view.scene.background)
 
 
