@@ -1,4 +1,4 @@
-"""Mipmap interpolation (Lee, Kim, Choi 2009) as fragment shaders: one for every coarser level, one for the picture.
+"""Mipmap interpolation as the port's fragment shaders: one for every coarser level, one for the picture.
 
 Levels are drawn into textures of their own, and copied into one chain for the last shader.
 """
@@ -10,86 +10,11 @@ import moderngl
 import numpy as np
 
 from tests.gl import shader
+from tests.gl.port import source_of
 
-__all__ = ["Work", "draw_levels", "draw_picture", "upload"]
+__all__ = ["Work", "chains", "draw_levels", "draw_picture", "upload"]
 
-# Steps 2 and 3 at once, as section 6 says: both targets from the same reads.
-COARSER = """
-#version 330
-uniform sampler2D uColor;
-uniform sampler2D uCircle;  // signed, degree of blur [px], nearer neighbours' blur
-uniform vec2 uCoarse;  // size of the coarser level
-uniform float uDelta;
-layout(location = 0) out vec4 color;
-layout(location = 1) out vec4 circle;
-
-void main()
-{
-    vec2 place = gl_FragCoord.xy / uCoarse;
-    vec2 step_ = 1.0 / vec2(textureSize(uColor, 0));
-    vec4 p = textureLod(uCircle, place, 0.0);
-    vec4 colorSum = vec4(0.0), circleSum = vec4(0.0);
-    float anisotropic = 0.0, isotropic = 0.0, nearer = 0.0;
-    for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i) {
-            vec2 q = place + vec2(i, j) * step_;
-            vec4 tap = textureLod(uCircle, q, 0.0);
-            float g = exp(-0.5 * float(i * i + j * j));
-            circleSum += g * tap;
-            isotropic += g;
-            if (tap.x < 0.0 && tap.x < p.x)
-                nearer = max(nearer, tap.y);
-            if (p.y > tap.y + uDelta && p.x > 0.0)
-                continue;
-            colorSum += g * textureLod(uColor, q, 0.0);
-            anisotropic += g;
-        }
-    color = colorSum / anisotropic;
-    circle = vec4(circleSum.xy / isotropic, nearer, 0.0);
-}
-"""
-
-# Steps 4 and 5.
-PICTURE = """
-#version 330
-uniform sampler2D uColors;
-uniform sampler2D uCircles;
-uniform vec2 uSize;
-uniform float uLast;
-out vec4 result;
-
-const float K_SIGMA = 2.0 / 3.0;
-const vec2 CIRCLE[9] = vec2[](vec2(0), vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1),
-    vec2(1, 1) * sqrt(0.5), vec2(-1, 1) * sqrt(0.5), vec2(1, -1) * sqrt(0.5), vec2(-1, -1) * sqrt(0.5));
-
-float levelOf(float sigma)
-{
-    return K_SIGMA * sigma <= 0.5 ? 0.0 : 1.0 + log2(K_SIGMA * sigma);
-}
-
-void main()
-{
-    vec2 place = gl_FragCoord.xy / uSize;
-    float rho = 0.0, total = 0.0;
-    for (int k = 0; k < 5; ++k) {
-        float g = k == 0 ? 1.0 : exp(-0.5);
-        rho += g * textureLod(uCircles, place + CIRCLE[k] * exp2(uLast) / uSize, uLast).z;
-        total += g;
-    }
-    float sigma = textureLod(uCircles, place, min(levelOf(rho / total), uLast)).y;
-    float m = levelOf(sigma);
-    float lod = min(max(m - 1.0, 0.0), uLast);
-    float radius = exp2(lod) * min(m, 1.0);
-    vec4 sum = vec4(0.0);
-    total = 0.0;
-    for (int k = 0; k < 9; ++k) {
-        float g = k == 0 ? 1.0 : (k < 5 ? exp(-0.5) : exp(-1.0));
-        sum += g * textureLod(uColors, place + CIRCLE[k] * radius / uSize, lod);
-        total += g;
-    }
-    result = vec4(sum.rgb / total, sigma);
-}
-"""
+COARSER, PICTURE = source_of("mipmap_level"), source_of("mipmap_picture")
 
 
 @dataclass(eq=False)

@@ -18,7 +18,7 @@ def test_the_shader_on_noise(context):
     coded = np.concatenate([color, poisson.code_of(np.ones_like(coc), coc, params)[..., None]], axis=-1).astype(
         np.float32
     )
-    work, textures, uniforms = listing.upload(context, coded, poisson.shrink(coded), poisson.TAPS, 5.0)
+    work, textures, uniforms = listing.upload(context, coded, poisson.shrink(coded), 5.0)
     shader.draw(work, textures, **uniforms)
     difference = np.abs(shader.read(work)[..., :3] - poisson.blur(color, np.ones_like(coc), coc, params)).max(axis=-1)
     # Values in [0, 1] differ from texel to texel by up to 1, and places are rounded to 1e-5 px: as much in 12 reads.

@@ -1,0 +1,55 @@
+"""Ports in GLSL: their texts, and one draw of a fragment shader into any number of float targets."""
+
+from pathlib import Path
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from tests.gl import shader
+
+__all__ = ["drawn", "source_of"]
+
+_FOLDER = Path(__file__).parents[2] / "ports" / "glsl"
+
+
+def source_of(name: str) -> str:
+    """The text of ports/glsl/<name>.frag."""
+    return (_FOLDER / f"{name}.frag").read_text()
+
+
+def drawn(
+    context: Any, source: str, shape: tuple[int, int], textures: dict[str, Any], outputs: int = 1,
+    linear: tuple[str, ...] = (), **uniforms: Any,
+) -> list[np.ndarray]:  # fmt: skip
+    """What a shader draws over (H, W) pixels: (H, W, 4) float32 of each of its outputs.
+
+    textures: images (H, W) or (H, W, C), layers (N, H, W, C), or a list of mip levels (h, w, 4), by the sampler's name.
+    Levels are read trilinearly, images in `linear` bilinearly, all else at the nearest texel.
+    Nothing is left on the device. A fault may leave a name unused, which the compiler then drops: it is passed over.
+    """
+    height, width = shape
+    program = context.program(vertex_shader=shader._FULL_SCREEN_TRIANGLE, fragment_shader=source)
+    targets = [context.texture((width, height), 4, dtype="f4") for _ in range(outputs)]
+    work = shader.Pass(program, context.vertex_array(program, []), context.framebuffer(targets), (height, width, 4))
+    bound = {name: _texture(context, image, name in linear) for name, image in textures.items() if name in program}
+    shader.draw(work, bound, **{name: value for name, value in uniforms.items() if name in program})
+    pictures = [
+        np.frombuffer(target.read(alignment=4), dtype="f4").reshape(height, width, 4).copy() for target in targets
+    ]
+    for thing in (*bound.values(), work.target, *targets, work.triangle, program):
+        thing.release()
+    return pictures
+
+
+def _texture(context: Any, image: Any, linear: bool) -> Any:
+    if isinstance(image, list):
+        return shader.chain_of(context, image)
+    if image.ndim < 4:
+        return shader.texture_of(context, image, linear=linear)
+    image = np.ascontiguousarray(image, dtype="f4")
+    count, height, width, components = image.shape
+    texture = context.texture_array((width, height, count), components, image.tobytes(), alignment=4, dtype="f4")
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
