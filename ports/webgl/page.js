@@ -155,9 +155,9 @@ function preview({width, height, params}, shade) {
     return canvas;
 }
 
-// Grey up to the tolerance, then red to yellow at ten tolerances.
+// Grey up to the tolerance, then red to yellow at 10 000 tolerances.
 function heat(off) {
-    return off <= 1 ? [off, off, off].map(value => 0.2 * value) : [1, Math.min(Math.log10(off), 1), 0];
+    return off <= 1 ? [off, off, off].map(value => 0.2 * value) : [1, Math.min(Math.log10(off) / 4, 1), 0];
 }
 
 function addRow(name, status, words, pictures) {
@@ -174,7 +174,7 @@ function addRow(name, status, words, pictures) {
 function show(one, image, seconds) {
     const found = judge(image, one), at = (values, i) => [...values.subarray(3 * i, 3 * i + 3)];
     const number = value => Number(value.toPrecision(6));
-    const words = `${found.worst.toPrecision(3)} tolerances, ${found.place}: got ${number(found.got)}, allowed ` +
+    const words = `${Number(found.worst.toPrecision(3))} tolerances, ${found.place}: got ${number(found.got)}, allowed ` +
         `${number(found.low)} .. ${number(found.high)}; ${found.failing} values off; ${seconds.toFixed(2)} s`;
     addRow(one.name, found.status, words, [
         preview(one, i => at(image, i)), preview(one, i => at(one.expected, i)),
@@ -192,7 +192,7 @@ async function run() {
     let context = null;
     element("run").disabled = element("folder").disabled = true;
     element("rows").replaceChildren();
-    link.hidden = progress.hidden = true;
+    link.hidden = progress.hidden = element("table").hidden = true;
     say("running", "Reading the pack ...");
     try {
         const names = await casesOf(pack);
