@@ -4,14 +4,11 @@ REFDOF_REQUIRE_CHROMIUM=1 makes a missing browser a failure.
 """
 
 import base64
-import functools
-import http.server
 import io
 import json
 import os
 import re
 import shutil
-import threading
 import time
 import zipfile
 from pathlib import Path
@@ -74,20 +71,10 @@ def root(browser, tmp_path_factory):
     return folder
 
 
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *words):
-        pass
-
-
 @pytest.fixture(scope="module")
 def address(root):
-    handler = functools.partial(Quiet, directory=root)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        yield f"http://127.0.0.1:{server.server_port}"
-        server.shutdown()
-        thread.join()
+    with chromium.served(root) as found:
+        yield found
 
 
 @pytest.fixture(scope="module")
@@ -244,6 +231,23 @@ def test_a_shader_that_does_not_compile_is_told_with_its_line(page):
     assert f"line {line}: 'total' : undeclared identifier\n    color += mix(color / total, tapColor, m);" in said
     assert page.value("element('download').hidden")
     assert rerun(page, OWN)[0] == "done"
+
+
+def test_a_shader_that_never_ends_is_given_up(browser, address, tmp_path):
+    """In a browser of its own, whose process for graphics stays busy."""
+    alone = chromium.Browser(chromium.program(), tmp_path)
+    try:
+        tab = chromium.Tab(alone)
+        tab.open(f"{address}/webgl/index.html")
+        shader = json.dumps(mutated(OWN, "radius += uRadScale / radius", "radius += 0.0 * uRadScale"))
+        tab.value(
+            f"element('shader').value = {shader}, limits.secondsPerCase = 2, void load(() => packOfUrl('../pack'))"
+        )
+        state, said = ended(tab)
+    finally:
+        alone.close()
+    assert state == "failed"
+    assert said.startswith("Nothing was drawn within 2 s: does the shader end?")
 
 
 @pytest.mark.parametrize(
