@@ -2,6 +2,11 @@
 "use strict";
 
 const element = name => document.getElementById(name);
+const pause = milliseconds => new Promise(done => setTimeout(done, milliseconds));  // lets the page be drawn
+const limits = {secondsPerCase: 60};
+
+// WebGL is lost, so that no other case can be drawn either.
+class Lost extends Fault {}
 
 // ---- WebGL2.
 
@@ -87,7 +92,7 @@ function reversedRows(values, height) {
 }
 
 // What the shader draws of a case: (H, W, 3), rows as the case has them.
-function render({gl, filters}, {program, types, unset}, one) {
+async function render({gl, filters}, {program, types, unset}, one) {
     const {width, height, params} = one, count = width * height;
     const mirrored = params.row_step === -1 && !types.has("uRowStep");  // then all rows run the other way
     const ordered = values => mirrored ? reversedRows(values, height) : values;
@@ -122,15 +127,28 @@ function render({gl, filters}, {program, types, unset}, one) {
     }
     gl.viewport(0, 0, width, height);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    await drawnIn(gl, limits.secondsPerCase);
     const drawn = new Float32Array(4 * count), image = new Float32Array(3 * count);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, drawn);
     const error = gl.getError();
     textures.forEach(texture => gl.deleteTexture(texture));
     gl.deleteFramebuffer(target);
-    if (gl.isContextLost()) throw new Fault("The browser gave WebGL up: the shader may run for too long.");
+    if (gl.isContextLost()) throw new Lost("The browser gave WebGL up: the shader may run for too long.");
     if (error) throw new Fault(`WebGL reports the error 0x${error.toString(16)}.`);
     for (let i = 0; i < count; i++) image.set(drawn.subarray(4 * i, 4 * i + 3), 3 * i);
     return ordered(image);
+}
+
+// Wait for what was drawn: readPixels would stop the page until then.
+async function drawnIn(gl, seconds) {
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), end = performance.now() + 1000 * seconds;
+    gl.flush();
+    while (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.UNSIGNALED) {
+        if (performance.now() > end)
+            throw new Lost(`Nothing was drawn within ${seconds} s: does the shader end? Close this page.`);
+        await pause(1);
+    }
+    gl.deleteSync(fence);
 }
 
 // ---- What is shown.
@@ -155,9 +173,9 @@ function preview({width, height, params}, shade) {
     return canvas;
 }
 
-// Grey up to the tolerance, then red to yellow at ten tolerances.
+// Grey up to the tolerance, then red to yellow at 10 000 tolerances.
 function heat(off) {
-    return off <= 1 ? [off, off, off].map(value => 0.2 * value) : [1, Math.min(Math.log10(off), 1), 0];
+    return off <= 1 ? [off, off, off].map(value => 0.2 * value) : [1, Math.min(Math.log10(off) / 4, 1), 0];
 }
 
 function addRow(name, status, words, pictures) {
@@ -174,8 +192,8 @@ function addRow(name, status, words, pictures) {
 function show(one, image, seconds) {
     const found = judge(image, one), at = (values, i) => [...values.subarray(3 * i, 3 * i + 3)];
     const number = value => Number(value.toPrecision(6));
-    const words = `${found.worst.toPrecision(3)} tolerances, ${found.place}: got ${number(found.got)}, allowed ` +
-        `${number(found.low)} .. ${number(found.high)}; ${found.failing} values off; ${seconds.toFixed(2)} s`;
+    const words = `${Number(found.worst.toPrecision(3))} tolerances, ${found.place}: got ${number(found.got)}, ` +
+        `allowed ${number(found.low)} .. ${number(found.high)}; ${found.failing} values off; ${seconds.toFixed(2)} s`;
     addRow(one.name, found.status, words, [
         preview(one, i => at(image, i)), preview(one, i => at(one.expected, i)),
         preview(one, i => heat(Math.max(...at(found.off, i)))),
@@ -192,7 +210,7 @@ async function run() {
     let context = null;
     element("run").disabled = element("folder").disabled = true;
     element("rows").replaceChildren();
-    link.hidden = progress.hidden = true;
+    link.hidden = progress.hidden = element("table").hidden = true;
     say("running", "Reading the pack ...");
     try {
         const names = await casesOf(pack);
@@ -203,7 +221,7 @@ async function run() {
         const began = performance.now();
         for (const name of names) {
             say("running", `${progress.value} of ${names.length}: ${name}`);
-            await new Promise(done => setTimeout(done));  // lets the page be drawn
+            await pause(0);
             const status = await runCase(context, program, name, results);
             counts.set(status, (counts.get(status) ?? 0) + 1);
             progress.value++;
@@ -215,6 +233,7 @@ async function run() {
         say("done", `${sums}; ${((performance.now() - began) / 1000).toFixed(1)} s.` + notesOf(context, program));
     } catch (error) {
         say("failed", error instanceof Fault ? error.message : `Unexpected: ${error.stack}`);
+        if (error instanceof Lost) context = null;  // it would stop the page
     }
     context?.gl.getExtension("WEBGL_lose_context")?.loseContext();  // browsers allow few at a time
     progress.hidden = true;
@@ -230,11 +249,11 @@ async function runCase(context, program, name, results) {
             addRow(name, "not supported", reason, []);
             return "not supported";
         }
-        const began = performance.now(), image = render(context, program, one);
+        const began = performance.now(), image = await render(context, program, one);
         results.push([`${name}/image.f32`, new Uint8Array(image.buffer)]);
         return show(one, image, (performance.now() - began) / 1000);
     } catch (error) {
-        if (!(error instanceof Fault) || context.gl.isContextLost()) throw error;
+        if (!(error instanceof Fault) || error instanceof Lost) throw error;
         addRow(name, "error", error.message, []);
         return "error";
     }

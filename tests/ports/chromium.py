@@ -1,12 +1,19 @@
-"""A headless Chromium, driven over a pipe by its DevTools protocol: JSON messages that end with a zero byte."""
+"""A headless Chromium and a server for it.
+
+The browser is driven over a pipe by its DevTools protocol: JSON messages that end with a zero byte.
+"""
 
 import base64
+import contextlib
 import fcntl
+import functools
+import http.server
 import json
 import os
 import select
 import shutil
 import signal
+import threading
 import time
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
@@ -20,6 +27,7 @@ _OPTIONS = (
     "--disable-renderer-backgrounding",
     "--no-first-run",
     "--disable-background-networking",
+    "--disable-dev-shm-usage",  # small in containers
     "--disable-extensions",
     "--remote-debugging-pipe",
 )
@@ -28,6 +36,25 @@ _OPTIONS = (
 def program():
     """Path of a Chromium, or None."""
     return next((found for found in map(shutil.which, PROGRAMS) if found), None)
+
+
+class _Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *words):
+        pass
+
+
+@contextlib.contextmanager
+def served(folder):
+    """Serve a folder on this computer; the address."""
+    handler = functools.partial(_Quiet, directory=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()
 
 
 class Browser:
