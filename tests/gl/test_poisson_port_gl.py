@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from refdof.methods import poisson
-from refdof.stages import StageRecorder
 from tests.gl.port import drawn, source_of
 from tests.ports.cases import mutated
 
@@ -101,9 +100,8 @@ def passes(context, color, depth, sources=SOURCES):
 
 
 def expected(color, depth, coc):
-    recorder = StageRecorder(True)
-    picture = poisson._blur(color, depth, coc, poisson.Params(max_radius=MAX_RADIUS), recorder)
-    return recorder.stages["code"], recorder.stages["small"], picture
+    picture, stages = poisson.blur(color, depth, coc, poisson.Params(max_radius=MAX_RADIUS), stages=True)
+    return stages["code"], stages["small"], picture
 
 
 EXPECTED = []
