@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from refdof.oracle import Plan, check
+from refdof.methods.poisson import Params, code_of, gather, shrink
+from refdof.oracle import Plan, check, write_pack
+from refdof.oracle.cases import Case
+from refdof.stages import Stages
 from tests.oracle.small_pack import of_case, staged_port, stages_of, statuses
 
 pytestmark = pytest.mark.fast
@@ -84,3 +87,58 @@ def test_an_implementation_that_takes_stages_is_run_once_more(pack):
     runs.clear()
     assert check(of_case(lambda *w: counted(*w[:3], w[3] | {"given": {}}), stages_of), pack, plan=plan).passed
     assert len(runs) == 1  # what is right needs no second run
+
+
+PLANES = {"near_plane": 1.0, "focus_plane": 2.0, "far_plane": 6.0}
+
+
+@pytest.fixture(scope="module")
+def poisson_pack(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("poisson") / "pack"
+    cases = [
+        Case("linear", "poisson", "hdr", (16, 12), PLANES, stages=Stages((4,))),
+        Case("thin_lens", "poisson", "hdr", (16, 12), {"code": "thin_lens"}, stages=Stages((4,))),
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: cases)
+        write_pack(folder)
+    return folder
+
+
+def poisson_port(color, depth, coc, params, faults):
+    """The filter from the functions of its steps, each with a fault: who is blamed is tested here, not they."""
+    record = Params(**{key: tuple(map(tuple, v)) if isinstance(v, list) else v for key, v in params.items()})
+    shown = {}
+
+    def stage(name, values):
+        shown[name] = faults.get(name, lambda same: same)(values.astype(np.float32))
+        return shown[name]
+
+    code = stage("code", code_of(depth, stage("coc", coc), record))
+    coded = np.concatenate([color, code[..., None]], axis=-1)
+    small = stage("small", shrink(coded, record.small_size))
+    largest, reach = np.float32(record.max_radius), record.small_radius * record.small_size
+    taps = record.table.astype(np.float32)
+    stage("mean_4", gather(coded, small, taps[:4], largest, reach))
+    stage("image", gather(coded, small, taps, largest, reach))
+    return shown
+
+
+@pytest.mark.parametrize(
+    ("case", "fault", "own", "inherited"),
+    [
+        ("linear", {}, (), ()),
+        ("thin_lens", {}, (), ()),
+        ("linear", {"coc": lambda s: 2 * s}, ("coc",), ()),  # the code is made of depth
+        ("thin_lens", {"coc": lambda s: s / 8}, ("coc",), ("code", "small", "mean_4", "image")),
+        ("linear", {"code": lambda b: 1 - b}, ("code",), ("small", "mean_4", "image")),
+        ("linear", {"small": lambda p: p * np.float32(0.9)}, ("small",), ("mean_4", "image")),
+        ("linear", {"mean_4": lambda c: c * np.float32(0.9)}, ("mean_4",), ()),
+        ("linear", {"image": lambda c: c * np.float32(0.9)}, ("image",), ()),
+    ],
+)
+def test_poisson(poisson_pack, case, fault, own, inherited):
+    port = lambda *words: poisson_port(*words, fault)  # noqa: E731
+    outcome = check(port, poisson_pack, plan=Plan(only=case)).outcomes[0]
+    expected = dict.fromkeys(own, "own") | dict.fromkeys(inherited, "inherited")
+    assert outcome.causes == expected, outcome.message
