@@ -72,6 +72,19 @@ FAULTS = {
 }
 
 
+REWRITES = {
+    "a quotient for a product": ("(vec2(texel) + ahead - a) * inverse", "(vec2(texel) + ahead - a) / w"),
+    "places from the focal plane": (
+        "(vec2(texel) + ahead - a) * inverse",
+        "(vec2(texel) + ahead - gl_FragCoord.xy) * inverse + uFocus",
+    ),
+    "blends with one product": (
+        "return mix(upper, lower, share.y);",
+        "return upper + share.y * (lower - upper);",
+    ),
+}
+
+
 @dataclass(frozen=True)
 class Case:
     """Layers by their seed, some or all of them, and one lens point, x right, y up."""
@@ -216,6 +229,12 @@ def test_few_rays_meet_a_border():
     for case in CASES[:3]:
         tied = np.any([answer != hits(case) for answer in answers(case)], axis=(0, -1))
         assert tied.mean() < 0.02
+
+
+@pytest.mark.parametrize("rewrite", REWRITES)
+def test_a_right_port_may_round_otherwise(rewrite, context):
+    source = mutated(SOURCE, *REWRITES[rewrite])
+    assert [complaint(case, picture_of(context, case, source)) for case in CASES] == [None] * len(CASES)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

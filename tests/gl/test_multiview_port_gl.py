@@ -61,6 +61,12 @@ FAULTS = {
 }
 
 
+REWRITES = {
+    "a product for a quotient": ("(gl_FragCoord[k] - edge[k]) / v[k]", "(gl_FragCoord[k] - edge[k]) * (1.0 / v[k])"),
+    "two quotients": ("(gl_FragCoord[k] - edge[k]) / v[k]", "gl_FragCoord[k] / v[k] - edge[k] / v[k]"),
+}
+
+
 @dataclass(frozen=True)
 class Case:
     """Layers by their seed, one lens point, x right, y up, and the highest wall that is surface [px]."""
@@ -166,6 +172,12 @@ def test_few_rays_meet_a_border():
     for case in CASES:
         tied = np.any([(answer != hits(case))[..., :3] for answer in answers(case)], axis=(0, -1))
         assert tied.mean() < 0.02
+
+
+@pytest.mark.parametrize("rewrite", REWRITES)
+def test_a_right_port_may_round_otherwise(rewrite, context):
+    source = mutated(SOURCE, *REWRITES[rewrite])
+    assert [complaint(case, picture_of(context, case, source)) for case in CASES] == [None] * len(CASES)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

@@ -61,6 +61,12 @@ FAULTS = {
 }
 
 
+REWRITES = {
+    "a blend with one product": ("mix(high, low, blurOf(high.a))", "high + blurOf(high.a) * (low - high)"),
+    "texels for places": ("place + TAPS[k] * radius / uSize", "(gl_FragCoord.xy + TAPS[k] * radius) / uSize"),
+}
+
+
 def scene(height, width):
     """Colour, depth and circle of a slope, a slanted near card, a sharp one with a hole, background and noise."""
     random = np.random.default_rng(5)
@@ -157,6 +163,13 @@ def test_every_stage_and_pixel(context):
         print(f"{found} tolerances")
         assert max(found) <= 1.0
         assert tied(answer[0].astype(np.float64), answer[1].astype(np.float64)).mean() < 0.01
+
+
+@pytest.mark.parametrize("rewrite", REWRITES)
+def test_a_right_port_may_round_otherwise(rewrite, context):
+    sources = SOURCES | {"poisson": mutated(SOURCES["poisson"], *REWRITES[rewrite])}
+    for (color, depth, _), answer in zip(CASES, answers(), strict=True):
+        assert max(outside(passes(context, color, depth, sources), answer)) <= 1.0
 
 
 @pytest.mark.parametrize("fault", FAULTS)
