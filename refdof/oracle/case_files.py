@@ -64,6 +64,7 @@ def write_case(folder: Path, case: Case, golden: Golden, exr: bool = False) -> N
     }
     write_json(folder / "case.json", about)
     lines = {
+        "method": case.method,
         "width": case.size[0],
         "height": case.size[1],
         "rows": case.rows,

@@ -14,8 +14,9 @@ __all__ = ["FILTER", "GUIDE", "STAGES", "cases", "numbers", "of_circles"]
 
 STAGES = ("coc", "code", "small", "mean *")
 FILTER = (
-    1e-4,
-    "texture coordinates in float32 move taps by up to 2e-5 px, colour and twice the blur that blends and weighs it",
+    2e-4,
+    "texture coordinates in float32, times the size, move taps by up to 4e-5 px of 320: a tap's colour by as much, its "
+    "blur by twice that, which both blends and weighs it",
 )
 GUIDE = """## poisson
 
@@ -41,7 +42,7 @@ Pictures are read bilinearly, clamped to the edge, at places in 0 .. 1: a place 
 So a texel of the small picture spans width / (its width) pixels, which is more than small_size where that does not
 divide the width.
 
-Codes within 3e-5 of the pixel's own may count as either: image and means have bounds there. A plane that faces the
+Codes within 1e-4 of the pixel's own may count as either: image and means have bounds there. A plane that faces the
 camera is such a tie everywhere, unless it is at full blur.
 
 Stages, where a case has them: `coc`, `code`, `small` (h w 4) and `mean_K`, the image after K taps.

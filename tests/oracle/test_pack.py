@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from refdof import InputError
-from refdof.oracle import write_pack
+from refdof.oracle import check, write_pack
 from refdof.oracle.case_files import ENOUGH
 from refdof.oracle.cases import Case, cases_of
 from refdof.oracle.circles import circle_bounds, size_bounds
@@ -21,6 +21,7 @@ from refdof.oracle.pack import goldens_digest, sha256_of
 from refdof.oracle.pictures import random
 from refdof.oracle.preview import preview_of
 from refdof.stages import Stages
+from tests.methods.poisson.test_params import PLANES, naive
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "data" / "packs" / "core"
@@ -196,6 +197,27 @@ def test_arrays_say_the_same_in_every_form(few, tmp_path):
         )
         assert np.array_equal((low < high).any(axis=-1), ambiguity)
         assert np.array_equal(low[~ambiguity], image[~ambiguity])
+
+
+def test_a_right_port_of_poisson_passes_and_a_wrong_one_fails(monkeypatch, tmp_path):
+    case = Case("hdr", "poisson", "hdr", (16, 12), PLANES, stages=Stages((4,)))
+    monkeypatch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: [case])
+    write_pack(tmp_path / "pack")
+    assert set(about(tmp_path / "pack", "hdr")["expected"]["stages"]) == {"coc", "code", "small", "mean_4"}
+    lines = dict(line.split() for line in (tmp_path / "pack/cases/hdr/params.txt").read_text().splitlines())
+    assert (lines["method"], lines["tap_count"]) == ("poisson", "12")
+    assert (lines["tap_0_0"], lines["tap_0_1"], lines["row_step"]) == ("-0.326212", "-0.40581", "1")
+
+    def port(color, depth, coc, params, **changes):
+        given = {**params, **changes}
+        few = {"image": given, "mean_4": {**given, "max_taps": 4}}
+        images = [image.astype(np.float64) for image in (color, depth, coc)]
+        return {name: naive(*images, **use).astype(np.float32) for name, use in few.items()}
+
+    assert check(port, tmp_path / "pack").passed
+    for change in ({"taps": "eight"}, {"small_radius": 0.5}, {"row_order": "up"}, {"max_radius": 4.0}):
+        report = check(lambda *words, change=change: port(*words, **change), tmp_path / "pack")
+        assert report.counts()["fail"] == 1
 
 
 # What may be replaced

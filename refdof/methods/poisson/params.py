@@ -165,7 +165,8 @@ def _as_taps(taps: Any) -> str | Table:
     except (TypeError, ValueError):
         table = ()
     if not 1 <= len(table) <= _MOST_TAPS or not all(abs(c) <= 4.0 and math.isfinite(c) for tap in table for c in tap):
+        said = " ".join(str(taps).split())[:60]
         raise InputError(
-            f"taps: got {str(taps)[:60]}; allowed are {', '.join(TAP_TABLES)}, or 1 .. {_MOST_TAPS} pairs in -4 .. 4"
+            f"taps: got {said}; allowed are {', '.join(TAP_TABLES)}, or 1 .. {_MOST_TAPS} pairs in -4 .. 4"
         )
     return table

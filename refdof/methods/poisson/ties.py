@@ -33,7 +33,7 @@ class _Taps(NamedTuple):
     code: Float
 
 
-def bounds(color: Float, depth: Float, coc: Float, params: Params = Params(), hair: float = 3e-5) -> Bounds:
+def bounds(color: Float, depth: Float, coc: Float, params: Params = Params(), hair: float = 1e-4) -> Bounds:
     """Bounds of what correct programs make of a picture: its `blur` is between them but for roundings.
 
     Parameters
@@ -42,8 +42,9 @@ def bounds(color: Float, depth: Float, coc: Float, params: Params = Params(), ha
         As for `blur`.
     hair : float
         Codes within this of the pixel's own may count to either side, 0 .. 0.25; equal ones, too, since means of equal
-        codes round. Codes are 0 .. 1; texture coordinates in float32 are up to 2e-5 px off, and neighbours differ by 1
-        at most. Hardware that keeps 8 bits of a place within a texel needs 1/256.
+        codes round. Codes are 0 .. 1; texture coordinates in float32 are up to 4e-5 px off in
+        pictures of 320 px, neighbours differ by 1 at most, and the blend of two pictures doubles that. Hardware that
+        keeps 8 bits of a place within a texel needs 1/256.
 
     Returns
     -------
