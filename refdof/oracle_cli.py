@@ -2,6 +2,8 @@
 
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -15,7 +17,8 @@ from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
 from refdof.oracle.junit import junit
 from refdof.oracle.selection import Plan, as_shard
-from refdof.oracle.sources import of_command, of_folder
+from refdof.oracle.shaders import of_shader
+from refdof.oracle.sources import Source, of_command, of_folder
 from refdof.oracle.waivers import read_waivers
 
 __all__ = ["add_commands"]
@@ -65,6 +68,13 @@ def check(
         str | None,
         typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
     ] = None,
+    shader: Annotated[
+        Path | None, typer.Option("--shader", metavar="FILE", help="A fragment shader, .frag, .glsl, .fs or .wgsl.")
+    ] = None,
+    bindings: Annotated[
+        Path | None,
+        typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
+    ] = None,
     timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
     only: Annotated[str, typer.Option("--only", metavar="GLOB", help="Cases of these names only.")] = "*",
     shard: Annotated[
@@ -91,10 +101,8 @@ def check(
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
     """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
-    if (results is None) == (impl is None):
-        raise InputError("results, impl: got both or none; allowed is one of the two")
-    if results is not None and given is not None:
-        raise InputError("given: got stages with files made elsewhere; allowed is an implementation that is run")
+    if given is not None and impl is None:
+        raise InputError("given: got stages without --impl; allowed is a command that takes them")
     plan = Plan(
         only=only,
         shard=as_shard(shard),
@@ -112,8 +120,8 @@ def check(
     from refdof.oracle.page import Pictures, check_page  # templates and pictures are slow to import
 
     pictures = Pictures()
-    source = of_folder(results) if results is not None else of_command(impl or "", timeout)
-    report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
+    with _source(results, impl, shader, bindings, timeout) as source:
+        report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
     for line in report.warnings:
         print(f"warning: {line}", file=sys.stderr)
     print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
@@ -124,3 +132,19 @@ def check(
     if junit_file is not None:
         write_text(junit_file, junit(report))
     raise typer.Exit(0 if report.passed else 1)
+
+
+@contextmanager
+def _source(
+    results: Path | None, impl: str | None, shader: Path | None, bindings: Path | None, timeout: float
+) -> Iterator[Source]:
+    """The one implementation that is given."""
+    if sum(given is not None for given in (results, impl, shader)) != 1:
+        raise InputError("results, impl, shader: got several or none; allowed is one of them")
+    if bindings is not None and shader is None:
+        raise InputError("bindings: got a file without --shader; allowed is one with a shader")
+    if shader is not None:
+        with of_shader(shader, bindings, timeout) as source:
+            yield source
+    else:
+        yield of_folder(results) if results is not None else of_command(impl or "", timeout)

@@ -19,13 +19,14 @@ from refdof.oracle.files import FileFault, Pack, open_pack
 from refdof.oracle.isolation import causes_of, follow
 from refdof.oracle.outcomes import ERROR, NOT_SUPPORTED, STATUSES, Outcome, Report, one_line, sentence
 from refdof.oracle.selection import Plan, select
+from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import NotSupported, Source, of_command, of_folder, of_function
 from refdof.oracle.verdict import FAIL, PASS, WAIVED, Finding, judge
 from refdof.oracle.waivers import complaints
 
 __all__ = [
     "ERROR", "NOT_SUPPORTED", "STATUSES", "TIMEOUT_S", "Outcome", "Report", "Show", "check", "check_command",
-    "check_results", "check_source",
+    "check_results", "check_shader", "check_source",
 ]  # fmt: skip
 
 TIMEOUT_S = 60.0
@@ -85,6 +86,25 @@ def check_results(
     if as_instance("plan", plan, Plan).given:
         raise InputError("given: got stages with files made elsewhere; allowed is an implementation that is run")
     return check_source(of_folder(Path(folder)), pack, tell, plan)
+
+
+def check_shader(
+    file: str | os.PathLike[str],
+    pack: str | os.PathLike[str],
+    bindings: str | os.PathLike[str] | None = None,
+    timeout: float = TIMEOUT_S,
+    tell: Tell | None = None,
+    plan: Plan = Plan(),
+) -> Report:
+    """Check a fragment shader in GLSL or WGSL, without a host: see `refdof.oracle.shaders.of_shader` and `check`.
+
+    Cases whose parameters the shader holds as constants are not supported. A shader that does not compile, or reads
+    what nothing binds, raises InputError.
+    """
+    if as_instance("plan", plan, Plan).given:
+        raise InputError("given: got stages with a shader; allowed is a function or a command")
+    with of_shader(file, bindings, timeout) as source:
+        return check_source(source, pack, tell, plan)
 
 
 def check_source(

@@ -1,0 +1,32 @@
+"""Slots: what a compiled shader wants to be given, whatever its language."""
+
+from typing import NamedTuple
+
+__all__ = ["COUNTS", "ShaderFault", "Slot"]
+
+COUNTS = {
+    f"{prefix}{suffix}": count
+    for prefix, suffix, count in (
+        *((kind, "", 1) for kind in ("float", "int", "uint", "bool")),
+        *((kind, str(count), count) for kind in ("vec", "ivec", "uvec", "bvec") for count in (2, 3, 4)),
+    )
+}
+"""How many numbers each type of a uniform holds."""
+
+
+class ShaderFault(Exception):
+    """What is wrong with a shader or with the means to draw it: one line."""
+
+
+class Slot(NamedTuple):
+    """One name that a shader reads.
+
+    kind: "uniform", "texture" or "sampler"; type: one of `COUNTS`, or any other word; has_default: it has a value of
+    its own; reads: the textures that a sampler is used with.
+    """
+
+    name: str
+    kind: str
+    type: str = ""
+    has_default: bool = False
+    reads: tuple[str, ...] = ()
