@@ -28,6 +28,7 @@ NOT_SUPPORTED_STATUS = 77
 _MARK = re.compile(r"\{case\}|\{out\}")
 _KEPT = 2000  # bytes of what a command says
 _LAST_WORDS_S = 0.5
+_NOT_SUPPORTED = "not_supported.txt"
 
 
 class NotSupported(Exception):
@@ -90,10 +91,20 @@ def _as_result(task: Task, name: Any, values: Any) -> Float:
 
 
 def of_folder(folder: Path) -> Source:
-    """Read FOLDER/CASE/image.f32 or image.npy, and stages by their names."""
+    """Read FOLDER/CASE/image.f32 or image.npy, and stages by their names.
+
+    A case that the implementation does not do has not_supported.txt alone; its first line is the reason.
+    """
     if not folder.is_dir():
         raise InputError(f"results: got {str(folder)!r}; allowed is a folder with one folder a case")
-    return lambda task: _read_results(folder / task.name, task)
+
+    def results(task: Task) -> Mapping[str, Float]:
+        place = folder / task.name
+        if not place.is_symlink() and place.is_dir() and [path.name for path in place.iterdir()] == [_NOT_SUPPORTED]:
+            raise NotSupported(_first_line(place / _NOT_SUPPORTED))
+        return _read_results(place, task)
+
+    return results
 
 
 def of_command(command: str, timeout: float) -> Source:
@@ -168,6 +179,15 @@ def _keep_end(pipe: Any, said: bytearray) -> None:
     with pipe:
         while chunk := pipe.read1(65536):
             said[:] = (said + chunk)[-_KEPT:]
+
+
+def _first_line(path: Path) -> str:
+    """At most 400 bytes of a text, which may be anyone's."""
+    if path.is_symlink() or not path.is_file():
+        raise FileFault(f"{path.name}: is no regular file")
+    with path.open("rb") as file:
+        lines = file.read(400).decode("utf-8", "replace").splitlines()
+    return lines[0].strip() if lines else ""
 
 
 def _read_results(folder: Path, task: Task) -> Mapping[str, Float]:

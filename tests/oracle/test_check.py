@@ -137,6 +137,26 @@ def test_a_manifest_of_another_kind_is_refused(copied, content):
         check(port, copied)
 
 
+def test_results_that_say_not_supported(pack, tmp_path):
+    """not_supported.txt alone, its first line; beside a picture it is no result."""
+    write_results(tmp_path, pack)
+    for name in ("cards", "noise"):
+        (tmp_path / name / "not_supported.txt").write_text("other filters only\nmore\n")
+    (tmp_path / "cards" / "image.f32").unlink()
+    report = check_results(tmp_path, pack)
+    assert [outcome.status for outcome in report.outcomes] == ["not supported", "error", "pass"]
+    assert report.outcomes[0].message == "other filters only"
+    assert report.outcomes[1].message.startswith("not_supported.txt: is no result of this case")
+
+
+def test_not_supported_is_not_read_through_a_link(pack, tmp_path):
+    (tmp_path / "secret.txt").write_text("secret\n")
+    (tmp_path / "cards").mkdir()
+    (tmp_path / "cards" / "not_supported.txt").symlink_to(tmp_path / "secret.txt")
+    outcome = check_results(tmp_path, pack).outcomes[0]
+    assert (outcome.status, outcome.message) == ("error", "not_supported.txt: is no regular file")
+
+
 def header(text):
     """An NPY file of version 1 with this header and no numbers."""
     text = text.encode() + b"\n"
