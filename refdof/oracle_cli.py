@@ -1,4 +1,4 @@
-"""The oracle's commands: `refdof golden | check`."""
+"""The oracle's commands: `refdof golden | check | diagnose`."""
 
 import json
 import sys
@@ -15,10 +15,12 @@ from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
+from refdof.oracle.diagnosis import diagnose_source
 from refdof.oracle.junit import junit
 from refdof.oracle.selection import Plan, as_shard
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, of_command, of_folder
+from refdof.oracle.verdict import FAIL
 from refdof.oracle.waivers import read_waivers
 
 __all__ = ["add_commands"]
@@ -32,6 +34,7 @@ def add_commands(app: typer.Typer) -> None:
     """Give `app` the commands of the oracle."""
     app.command()(golden)
     app.command()(check)
+    app.command()(diagnose)
 
 
 def golden(
@@ -122,16 +125,50 @@ def check(
     pictures = Pictures()
     with _source(results, impl, shader, bindings, timeout) as source:
         report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
-    for line in report.warnings:
-        print(f"warning: {line}", file=sys.stderr)
-    print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
-    if html_file is not None:
-        write_text(html_file, check_page(report, pictures))
-    if json_file is not None:
-        write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
-    if junit_file is not None:
-        write_text(junit_file, junit(report))
+        for line in report.warnings:
+            print(f"warning: {line}", file=sys.stderr)
+        print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
+        if html_file is not None:
+            write_text(html_file, check_page(report, pictures))
+        if json_file is not None:
+            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
+        if junit_file is not None:
+            write_text(junit_file, junit(report))
+        if report.counts()[FAIL]:
+            single = report.outcomes[0].case if len(report.outcomes) == 1 else None
+            for line in diagnose_source(source, pack, single, probes=False).lines():
+                print(line)
     raise typer.Exit(0 if report.passed else 1)
+
+
+def diagnose(
+    pack: Annotated[Path, typer.Option("--pack", metavar="DIR", help="What `refdof golden` wrote.")],
+    results: Annotated[
+        Path | None, typer.Option("--results", metavar="DIR", help="One folder for each case, with image.f32 or .npy.")
+    ] = None,
+    impl: Annotated[
+        str | None,
+        typer.Option("--impl", metavar="CMD", help="A program that makes them; {case} and {out} in it are folders."),
+    ] = None,
+    shader: Annotated[Path | None, typer.Option("--shader", metavar="FILE", help="A fragment shader.")] = None,
+    bindings: Annotated[
+        Path | None, typer.Option("--bindings", metavar="FILE", help="TOML: what the shader's names mean.")
+    ] = None,
+    case: Annotated[str | None, typer.Option("--case", metavar="NAME", help="Look at this case only.")] = None,
+    timeout: Annotated[float, typer.Option("--timeout", help="Of one case [s].")] = TIMEOUT_S,
+    json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
+) -> None:
+    """Say what is wrong with a port of singlepass: its taps and weights, and the mistake that gives its output.
+
+    The exit status is 0 if nothing is.
+    """
+    with _source(results, impl, shader, bindings, timeout) as source:
+        found = diagnose_source(source, pack, case, probes=results is None)
+    for line in found.lines():
+        print(line)
+    if json_file is not None:
+        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n")
+    raise typer.Exit(0 if found.key == "none" else 1)
 
 
 @contextmanager

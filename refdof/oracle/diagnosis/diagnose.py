@@ -1,0 +1,199 @@
+"""Diagnose: run a port on a pack, and say in a sentence what is wrong with it.
+
+1. Run it on the cases that tell most                            `refdof.oracle.diagnosis.shots`
+2. Look at the pictures as a whole                               `refdof.oracle.diagnosis.whole`
+3. Look for changes of a right port that give the same results    `refdof.oracle.diagnosis.search`
+4. Show its taps, if it can be run on other pictures             `refdof.oracle.diagnosis.probes`
+5. Say what was found, or that nothing was                       `Diagnosis`
+"""
+
+import inspect
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from refdof._check import InputError
+from refdof.oracle.diagnosis.causes import NONE, UNEXPLAINED, cause_of
+from refdof.oracle.diagnosis.image_switches import image_switches
+from refdof.oracle.diagnosis.probes import probe
+from refdof.oracle.diagnosis.samples import Shot
+from refdof.oracle.diagnosis.search import Found, search
+from refdof.oracle.diagnosis.shots import METHOD, probed, shots_of, telling
+from refdof.oracle.diagnosis.switches import size_switches
+from refdof.oracle.diagnosis.tap_switches import tap_switches
+from refdof.oracle.diagnosis.whole import is_finite, whole_cause
+from refdof.oracle.files import Pack, open_pack
+from refdof.oracle.sources import Source, of_function
+
+__all__ = ["Diagnosis", "Named", "diagnose", "diagnose_source"]
+
+_ENOUGH = 0.6  # of the error: less is no explanation
+_OTHERS = 3
+
+
+@dataclass(frozen=True)
+class Named:
+    """A cause with its values: key, stage and sentence."""
+
+    key: str
+    stage: str
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is wrong with a port.
+
+    Attributes
+    ----------
+    causes : tuple of Named
+        First the one that explains most; one of key "none" or "unexplained" where there is nothing to name.
+    evidence : str
+        What the causes explain, in a line.
+    exact : float
+        Share of the pixels that the causes reproduce.
+    explained : float
+        Share of the error that they explain.
+    others : tuple of (Named, float)
+        What else was looked at, and the share of the error that each explains.
+    cases : tuple of names
+        The cases that were looked at.
+    probes : tuple of lines
+        The port's taps beside those expected, where it could be run on other pictures.
+    """
+
+    causes: tuple[Named, ...]
+    evidence: str
+    exact: float = 0.0
+    explained: float = 0.0
+    others: tuple[tuple[Named, float], ...] = ()
+    cases: tuple[str, ...] = ()
+    probes: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Of the first cause."""
+        return self.causes[0].key
+
+    @property
+    def stage(self) -> str:
+        """Of the first cause."""
+        return self.causes[0].stage
+
+    def lines(self) -> list[str]:
+        """The sentence, further causes, and the evidence."""
+        also = [f"and {cause.sentence}" for cause in self.causes[1:]]
+        near = [f"not as good: {one.sentence} ({share:.0%} of the error)" for one, share in self.others]
+        return [self.causes[0].sentence, *also, f"({self.evidence})", *near, *self.probes]
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data, as `refdof diagnose --json` writes it."""
+
+        def plain(cause: Named) -> dict[str, str]:
+            return {"key": cause.key, "stage": cause.stage, "sentence": cause.sentence}
+
+        return {
+            "schema": "refdof-diagnosis-1",
+            "causes": [plain(cause) for cause in self.causes],
+            "evidence": self.evidence,
+            "exact": self.exact,
+            "explained": self.explained,
+            "others": [{**plain(cause), "explained": share} for cause, share in self.others],
+            "cases": list(self.cases),
+            "probes": list(self.probes),
+        }
+
+
+def diagnose(function: Callable[..., Any], pack: str | os.PathLike[str], case: str | None = None) -> Diagnosis:
+    """Say what is wrong with a port of the single pass.
+
+    Parameters
+    ----------
+    function : (color, depth, coc, params) -> image, or Source
+        The port, as for `refdof.oracle.check`; or what makes results of a task, as `refdof.oracle.sources` has them.
+    pack : path
+        A folder that `refdof golden` has written.
+    case : str, optional
+        Look at this case only.
+
+    Raises
+    ------
+    InputError
+        If the function is none, the pack is not as it was written, or has no case of that name.
+
+    Notes
+    -----
+    Some seconds. Causes are those of `refdof.oracle.diagnosis.causes`, up to three at once.
+    """
+    if not callable(function):
+        raise InputError(f"function: got {type(function).__name__}; allowed is a function or a source")
+    return diagnose_source(function if _takes_one(function) else of_function(function), pack, case)
+
+
+def _takes_one(function: Callable[..., Any]) -> bool:
+    """Whether a callable takes a task only: a source."""
+    try:
+        inspect.signature(function).bind(None)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def diagnose_source(
+    source: Source, pack: str | os.PathLike[str], case: str | None = None, probes: bool = True
+) -> Diagnosis:
+    """`diagnose` of a source, with or without probes, which run it on other pictures."""
+    opened = open_pack(pack)
+    if case is not None and case not in opened.cases:
+        raise InputError(f"case: got {case!r}; allowed are {', '.join(opened.cases)}")
+    shots, faults = shots_of(opened, source, case)
+    found = _diagnosis(opened, shots, faults)
+    flat = probed(opened, shots) if probes and found.key != NONE.key else None
+    return replace(found, probes=tuple(probe(source, *flat))) if flat else found
+
+
+def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
+    names = tuple(shot.name for shot in shots)
+    if not shots:
+        said = f"no case of {METHOD} could be compared" + (f": {faults[0]}" if faults else "")
+        return Diagnosis((Named(*UNEXPLAINED),), said)
+    failing = [shot for shot in shots if not (shot.off <= 1.0).all()]
+    if not failing:
+        return Diagnosis((Named(*NONE),), f"{len(shots)} cases compared", 1.0, 1.0, cases=names)
+    whole = whole_cause(opened, failing)
+    if whole is not None:
+        key, words = whole
+        return Diagnosis((_named(key, words),), f"in {len(failing)} of {len(shots)} cases", cases=names)
+    chosen = telling(shots)
+    right = chosen[0].right
+    ranked = search(chosen, [*size_switches(), *tap_switches(right), *image_switches()])
+    return _told(ranked, chosen, names)
+
+
+def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) -> Diagnosis:
+    best, nothing = ranked[0], next(found for found in ranked if not found.steps)
+    reproduced = best.is_exact or best.explained >= _ENOUGH
+    if not best.steps or not reproduced:
+        others = [(_causes(found, shots)[0], found.explained) for found in ranked if found.steps][:_OTHERS]
+        if not is_finite(shots):
+            return Diagnosis((_named("not_finite", {}),), "unexplained otherwise", others=tuple(others), cases=names)
+        said = f"the best explains {max(0.0, best.explained):.0%} of the error"
+        return Diagnosis((Named(*UNEXPLAINED),), said, best.exact, best.explained, tuple(others), names)
+    evidence = (
+        f"worst error {nothing.worst:.3g} before, {best.worst:.3g} with this change of a right port: "
+        f"{best.explained:.1%} of the error, {best.exact:.1%} of the pixels looked at"
+    )
+    keys = {step.switch.key for step in best.steps}
+    rest = [found for found in ranked if len(found.steps) == 1 and found.steps[0].switch.key not in keys]
+    others = [(_causes(found, shots)[0], found.explained) for found in rest if found.explained > 0.1][:_OTHERS]
+    return Diagnosis(_causes(best, shots), evidence, best.exact, best.explained, tuple(others), names)
+
+
+def _causes(found: Found, shots: Sequence[Shot]) -> tuple[Named, ...]:
+    return tuple(_named(step.switch.key, step.switch.words(shots[0], step.value)) for step in found.steps)
+
+
+def _named(key: str, words: dict[str, Any]) -> Named:
+    cause = cause_of(key)
+    return Named(key, cause.stage, cause.sentence.format(**words))
