@@ -134,15 +134,16 @@ def check(
         for line in report.warnings:
             print(f"warning: {line}", file=sys.stderr)
         print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
+        if html_file is not None:
+            write_text(html_file, check_page(report, pictures))
+        if json_file is not None:
+            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
+        if junit_file is not None:
+            write_text(junit_file, junit(report))
         if report.counts()[FAIL]:
-            for line in diagnose_source(source, pack, probes=False).lines():
+            single = report.outcomes[0].case if len(report.outcomes) == 1 else None
+            for line in diagnose_source(source, pack, single, probes=False).lines():
                 print(line)
-    if html_file is not None:
-        write_text(html_file, check_page(report, pictures))
-    if json_file is not None:
-        write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
-    if junit_file is not None:
-        write_text(junit_file, junit(report))
     raise typer.Exit(0 if report.passed else 1)
 
 

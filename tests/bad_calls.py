@@ -434,6 +434,7 @@ INNER = {
     "refdof.methods.lensblur.method.prepare",
     "refdof.methods.lensblur.method.trace",
     "refdof.methods.multiview.method.Prepared",
+    "refdof.methods.poisson.ties.bounds_of_coded",
     "refdof.methods.singlepass.ties.Start",
     "refdof.methods.singlepass.ties.bounds_from",
     "refdof.methods.multiview.method.cone_width",
