@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from refdof._check import InputError
 from refdof.oracle.diagnosis.causes import NONE, UNEXPLAINED, cause_of
 from refdof.oracle.diagnosis.image_switches import image_switches
@@ -132,12 +134,16 @@ def diagnose(function: Callable[..., Any], pack: str | os.PathLike[str], case: s
 
 
 def _takes_one(function: Callable[..., Any]) -> bool:
-    """Whether a callable takes a task only: a source."""
-    try:
-        inspect.signature(function).bind(None)
-    except (TypeError, ValueError):
-        return False
-    return True
+    """Whether a callable takes a task, and not color, depth, coc and params: a source."""
+
+    def takes(count: int) -> bool:
+        try:
+            inspect.signature(function).bind(*(None,) * count)
+        except (TypeError, ValueError):
+            return False
+        return True
+
+    return takes(1) and not takes(4)
 
 
 def diagnose_source(
@@ -191,7 +197,9 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
 
 
 def _causes(found: Found, shots: Sequence[Shot]) -> tuple[Named, ...]:
-    return tuple(_named(step.switch.key, step.switch.words(shots[0], step.value)) for step in found.steps)
+    """With the numbers of the picture that shows most: with its parameters, what was fitted differs from them."""
+    shot = max(shots, key=lambda shot: float(np.minimum(shot.off, 1e6).mean()))
+    return tuple(_named(step.switch.key, step.switch.words(shot, step.value)) for step in found.steps)
 
 
 def _named(key: str, words: dict[str, Any]) -> Named:
