@@ -12,6 +12,8 @@ from refdof import InputError
 from refdof.cli import main
 from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
+from refdof.oracle.diagnosis.beyond import in_place as beyond_in_place
+from refdof.oracle.diagnosis.beyond import turned as beyond_turned
 from refdof.oracle.diagnosis.causes import CAUSES, STAGES, cause_of
 from refdof.oracle.diagnosis.image_switches import image_switches
 from refdof.oracle.diagnosis.probes import probe
@@ -21,7 +23,7 @@ from refdof.oracle.diagnosis.switches import size_switches
 from refdof.oracle.diagnosis.tap_switches import tap_switches
 from refdof.oracle.files import open_pack
 from refdof.oracle.sources import of_function
-from tests.oracle.wrong_ports import WRONG, mixed, port
+from tests.oracle.wrong_ports import WRONG, in_place, mixed, port, turned
 
 CASES = [
     Case("cards", "singlepass", "cards", (40, 30)),
@@ -88,6 +90,17 @@ def test_two_mistakes_at_once(pack):
     found = diagnose(mixed, pack)
     assert {cause.key for cause in found.causes} == {"behind_factor", "row_order"}
     assert found.exact > 0.9
+
+
+def test_ports_that_no_model_gives(pack):
+    opened = open_pack(pack)
+    for port_of, beyond, other in (
+        (in_place, beyond_in_place, beyond_turned),
+        (turned, beyond_turned, beyond_in_place),
+    ):
+        shots, _ = shots_of(opened, of_function(port_of), "cards")
+        assert beyond(shots) > 0.75
+        assert other(shots) is None
 
 
 def test_nonsense_is_unexplained(pack):

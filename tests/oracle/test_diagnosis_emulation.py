@@ -89,7 +89,7 @@ def test_what_is_done_to_pictures():
 
 def test_spirals():
     assert len(spiral_of(Model())) == 398
-    assert spiral_of(Model(swapped=True))[:, :2] == pytest.approx(spiral_of(Model())[:, 1::-1])
+    assert spiral_of(Model(axes="sc"))[:, :2] == pytest.approx(spiral_of(Model())[:, 1::-1])
     assert len(spiral_of(Model(tap_fault=(0, 2)))) == 399
     assert len(spiral_of(Model(growth="constant"))) == 39  # 0.5, 1.0 .. 19.5
 

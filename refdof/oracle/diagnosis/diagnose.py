@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import InputError
+from refdof.oracle.diagnosis.beyond import in_place, turned
 from refdof.oracle.diagnosis.causes import NONE, UNEXPLAINED, cause_of
 from refdof.oracle.diagnosis.image_switches import image_switches
 from refdof.oracle.diagnosis.probes import probe
@@ -180,6 +181,9 @@ def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
 def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) -> Diagnosis:
     best, nothing = ranked[0], next(found for found in ranked if not found.steps)
     reproduced = best.is_exact or best.explained >= _ENOUGH
+    beyond = None if best.is_exact else _beyond(shots)
+    if beyond is not None and beyond.explained > best.explained:
+        return replace(beyond, cases=names)
     if not best.steps or not reproduced:
         others = [(_causes(found, shots)[0], found.explained) for found in ranked if found.steps][:_OTHERS]
         if not is_finite(shots):
@@ -194,6 +198,18 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
     rest = [found for found in ranked if len(found.steps) == 1 and found.steps[0].switch.key not in keys]
     others = [(_causes(found, shots)[0], found.explained) for found in rest if found.explained > 0.1][:_OTHERS]
     return Diagnosis(_causes(best, shots), evidence, best.exact, best.explained, tuple(others), names)
+
+
+def _beyond(shots: Sequence[Shot]) -> Diagnosis | None:
+    """A cause that no single model gives."""
+    share = in_place(shots)
+    if share is not None:
+        return Diagnosis((_named("in_place", {}),), f"gives {share:.1%} of the pixels", share, share)
+    share = turned(shots)
+    if share is not None:
+        said = f"the best angle of each pixel explains {share:.1%} of the error"
+        return Diagnosis((_named("angle_noise", {}),), said, explained=share)
+    return None
 
 
 def _causes(found: Found, shots: Sequence[Shot]) -> tuple[Named, ...]:

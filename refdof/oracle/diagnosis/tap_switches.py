@@ -42,6 +42,12 @@ def _spiral(right: Model) -> list[Switch]:
         return {"value": value, "expected": shot.right.angle_start, "words": words}
 
     starts = (step, *(k * math.pi / 4 for k in range(-3, 5) if k))
+    axes = {
+        "sc": "sine and cosine instead of cosine and sine: the spiral is transposed",
+        "ss": "the sine in x and in y: taps lie on a line",
+        "cc": "the cosine in x and in y: taps lie on a line",
+        "-cs": "mirrored left to right",
+    }
     growth = {"constant": "RAD_SCALE", "ratio": "itself"}
     radii = (advanced, 2.0 * first, 0.01, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
     rad_scale = expecting("rad_scale")
@@ -54,7 +60,7 @@ def _spiral(right: Model) -> list[Switch]:
         Switch("radius_growth", setting("growth"), tuple(growth), lambda s, v: {"words": growth[v]}),
         Switch("row_order", lambda model, value: replace(model, row_step=value * model.row_step), [-1]),
         Switch("row_order", setting("row_step"), [1, -1]),
-        Switch("axes_swapped", setting("swapped"), [True]),
+        Switch("axes_swapped", setting("axes"), tuple(axes), lambda s, v: {"words": axes[v]}),
     ]
 
 
