@@ -2,82 +2,84 @@
  *
  *     cc -std=c99 -O2 -o singlepass singlepass.c -lm
  *     singlepass --case CASE_FOLDER --out OUT_FOLDER
- *
  * Reads CASE/params.txt and CASE/inputs/color.f32 (H W 3), depth.f32 and coc.f32 (H W); writes OUT/image.f32 (H W 3):
- * raw little-endian float32, rows in the order of the inputs. All arithmetic is float32, with texture coordinates from
- * 0 to 1, as on a graphics processor.
- *
+ * raw little-endian float32, rows in the order of the inputs. Circles are made of depth where params.txt has coc_scale.
+ * All arithmetic is float32, with texture coordinates from 0 to 1, as on a graphics processor. Status 77 says that
+ * params.txt asks for what is not here.
  * Read the case            read_params, read_floats
  * Walk a pixel's spiral    depth_of_field: colour between texels by color_at, depth at the nearest one by texel_at
- *
  * Source: Gustafsson (2018), Bokeh Depth of Field in a Single Pass, Tuxedo Labs.
  */
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const float GOLDEN_ANGLE = 2.39996323f; /* radians */
-
 typedef struct {
-    int width, height;
-    float max_blur_size; /* px: circles are cut here, and the spiral ends here */
-    float rad_scale;     /* px^2: the radius grows by this over itself */
-    float behind_factor; /* a tap from behind counts up to this many times the pixel's own size */
-    float *color, *depth, *coc; /* (H W 3), (H W) [scene units], (H W) [px] */
+    float width, height;            /* px, whole */
+    float max_blur_size;            /* px: circles are cut here */
+    float rad_scale;                /* px^2: the radius grows by this over itself */
+    float behind_factor;            /* a tap from behind counts up to this many times the pixel's own size */
+    float radius_start, loop_bound, angle_start, angle_step; /* px; 0: rad_scale, max_blur_size. Radians */
+    float row_step;                 /* 1: the sine of an angle points to later rows; -1: to earlier ones */
+    float coc_scale, focus;         /* circle = coc_scale (1 / focus - 1 / depth) [px]; without, it is read */
+    float *color, *depth, *coc;     /* (H W 3), (H W) [scene units], (H W) [px] */
 } Picture;
 
-static void fail(const char *what, const char *why)
+#define AT(name) #name, offsetof(Picture, name)
+static const struct { const char *key; size_t place; float least, greatest; } NUMBERS[] = {
+    {AT(width), 1, 16384}, {AT(height), 1, 16384}, {AT(max_blur_size), 1e-6f, 1e6f}, {AT(rad_scale), 1e-3f, 256},
+    {AT(behind_factor), 0, 1e6f}, {AT(radius_start), 1e-6f, 256}, {AT(loop_bound), 1e-6f, 256}, {AT(row_step), -1, 1},
+    {AT(angle_start), -1e6, 1e6}, {AT(angle_step), -1e6, 1e6}, {AT(coc_scale), -1e9, 1e9}, {AT(focus), 1e-9f, 1e9},
+};
+static const char *const ONLY[][2] = { /* the one value that this port has of a key */
+    {"depth_filter", "nearest"}, {"color_filter", "bilinear"}, {"order", "depth"}, {"border", "clamp"},
+    {"code", ""}, {"max_taps", ""}, {"scale_x", "1.0"}, {"scale_y", "1.0"}, {"shift_x", "0.0"},
+    {"shift_y", "0.0"},
+};
+
+static void fail(int status, const char *what, const char *why)
 {
     fprintf(stderr, "singlepass: %s: %s\n", what, why);
-    exit(2);
+    exit(status);
 }
 
 static FILE *open_in(const char *folder, const char *name, const char *mode)
 {
     char path[4096];
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path)
-        fail(folder, "the name is too long");
-    FILE *file = fopen(path, mode);
+    int length = snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = length < (int)sizeof path ? fopen(path, mode) : NULL;
     if (!file)
-        fail(path, "cannot be opened");
+        fail(2, path, "cannot be opened");
     return file;
 }
 
-static float number(const char *key, const char *value, float least, float greatest)
+static Picture read_params(const char *folder) /* lines "key value"; keys of other programs are passed over */
 {
-    char *end;
-    float read = strtof(value, &end);
-    if (*end || !(read >= least && read <= greatest))
-        fail(key, "no number, or out of range");
-    return read;
-}
-
-/* Lines "key value". Keys of other programs are passed over. */
-static Picture read_params(const char *folder)
-{
-    Picture params = {0, 0, 20.0f, 0.5f, 2.0f, NULL, NULL, NULL};
-    char key[64], value[64];
+    Picture params = {.max_blur_size = 20.0f, .rad_scale = 0.5f, .behind_factor = 2.0f, .row_step = 1.0f};
+    params.angle_step = 2.39996323f; /* the golden angle */
+    char key[64], value[64], *end;
     FILE *file = open_in(folder, "params.txt", "r");
     while (fscanf(file, "%63s %63s", key, value) == 2) {
-        if (!strcmp(key, "width"))
-            params.width = (int)number(key, value, 1.0f, 16384.0f);
-        else if (!strcmp(key, "height"))
-            params.height = (int)number(key, value, 1.0f, 16384.0f);
-        else if (!strcmp(key, "max_blur_size"))
-            params.max_blur_size = number(key, value, 1e-6f, 256.0f);
-        else if (!strcmp(key, "rad_scale"))
-            params.rad_scale = number(key, value, 1e-3f, 256.0f);
-        else if (!strcmp(key, "behind_factor"))
-            params.behind_factor = number(key, value, 0.0f, 1e6f);
-        else if ((!strcmp(key, "depth_filter") && strcmp(value, "nearest"))
-                 || (!strcmp(key, "color_filter") && strcmp(value, "bilinear")))
-            fail(key, "a filter that this port does not have");
+        for (size_t i = 0; i < sizeof NUMBERS / sizeof *NUMBERS; i++) {
+            if (strcmp(key, NUMBERS[i].key)) continue;
+            float read = strtof(value, &end);
+            if (*end || !(read >= NUMBERS[i].least && read <= NUMBERS[i].greatest))
+                fail(2, key, "no number, or out of range");
+            *(float *)((char *)&params + NUMBERS[i].place) = read;
+        }
+        for (size_t i = 0; i < sizeof ONLY / sizeof *ONLY; i++)
+            if (!strcmp(key, ONLY[i][0]) && strcmp(value, ONLY[i][1]))
+                fail(77, key, "a value that this port does not have");
+        if (!strcmp(key, "given") && !strcmp(value, "coc")) params.coc_scale = 0.0f; /* stands last */
     }
     fclose(file);
-    if (!params.width || !params.height)
-        fail("params.txt", "width or height is missing");
+    if (params.width == 0.0f || params.height == 0.0f || (params.coc_scale != 0.0f && params.focus == 0.0f))
+        fail(2, "params.txt", "width, height or focus is missing");
+    params.radius_start = params.radius_start > 0.0f ? params.radius_start : params.rad_scale;
+    params.loop_bound = params.loop_bound > 0.0f ? params.loop_bound : params.max_blur_size;
     return params;
 }
 
@@ -86,16 +88,15 @@ static float *read_floats(const char *folder, const char *name, size_t count)
     unsigned char bytes[4];
     float *values = calloc(count, sizeof *values);
     FILE *file = open_in(folder, name, "rb");
-    if (!values)
-        fail(name, "does not fit in memory");
+    if (!values) fail(2, name, "does not fit in memory");
     for (size_t i = 0; i < count; i++) {
         if (fread(bytes, 1, 4, file) != 4)
-            fail(name, "too short for width and height");
+            fail(2, name, "too short for width and height");
         uint32_t bits = bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
         memcpy(&values[i], &bits, 4);
     }
     if (fgetc(file) != EOF)
-        fail(name, "too long for width and height");
+        fail(2, name, "too long for width and height");
     fclose(file);
     return values;
 }
@@ -110,11 +111,10 @@ static void write_floats(const char *folder, const char *name, const float *valu
             fputc((int)(bits >> shift & 255u), file);
     }
     if (ferror(file) | fclose(file)) /* both */
-        fail(name, "cannot be written");
+        fail(2, name, "cannot be written");
 }
 
-/* Clamp to the edge. */
-static int clamped(float index, int count)
+static int clamped(float index, int count) /* to the edge */
 {
     return (int)fminf(fmaxf(index, 0.0f), (float)(count - 1));
 }
@@ -141,8 +141,7 @@ static float color_at(const Picture *p, float u, float v, int channel)
     return a * (1.0f - down) + b * down;
 }
 
-/* Radius of the circle of confusion [px]. */
-static float size_at(const Picture *p, size_t texel)
+static float size_at(const Picture *p, size_t texel) /* radius of the circle of confusion [px] */
 {
     return fminf(fabsf(p->coc[texel]), p->max_blur_size);
 }
@@ -160,12 +159,12 @@ static void depth_of_field(const Picture *p, int x, int y, float *color)
     float u = ((float)x + 0.5f) * pixel_u, v = ((float)y + 0.5f) * pixel_v;
     size_t center = texel_at(p, u, v);
     float center_size = size_at(p, center);
-    float total = 1.0f, angle = 0.0f;
+    float total = 1.0f, angle = p->angle_start;
     for (int c = 0; c < 3; c++)
         color[c] = color_at(p, u, v, c);
-    for (float radius = p->rad_scale; radius < p->max_blur_size; radius += p->rad_scale / radius) {
+    for (float radius = p->radius_start; radius < p->loop_bound; radius += p->rad_scale / radius) {
         float tap_u = u + cosf(angle) * pixel_u * radius;
-        float tap_v = v + sinf(angle) * pixel_v * radius;
+        float tap_v = v + sinf(angle) * pixel_v * radius * p->row_step;
         size_t texel = texel_at(p, tap_u, tap_v);
         float size = size_at(p, texel);
         if (p->depth[texel] > p->depth[center])
@@ -174,7 +173,7 @@ static void depth_of_field(const Picture *p, int x, int y, float *color)
         for (int c = 0; c < 3; c++)
             color[c] += color[c] / total * (1.0f - m) + color_at(p, tap_u, tap_v, c) * m;
         total += 1.0f;
-        angle += GOLDEN_ANGLE;
+        angle += p->angle_step;
     }
     for (int c = 0; c < 3; c++)
         color[c] /= total;
@@ -183,15 +182,16 @@ static void depth_of_field(const Picture *p, int x, int y, float *color)
 int main(int count, char **words)
 {
     if (count != 5 || strcmp(words[1], "--case") || strcmp(words[3], "--out"))
-        fail("usage", "singlepass --case CASE_FOLDER --out OUT_FOLDER");
+        fail(2, "usage", "singlepass --case CASE_FOLDER --out OUT_FOLDER");
     Picture picture = read_params(words[2]);
     size_t pixels = (size_t)picture.width * (size_t)picture.height;
     picture.color = read_floats(words[2], "inputs/color.f32", 3 * pixels);
     picture.depth = read_floats(words[2], "inputs/depth.f32", pixels);
     picture.coc = read_floats(words[2], "inputs/coc.f32", pixels);
+    for (size_t i = 0; picture.coc_scale != 0.0f && i < pixels; i++)
+        picture.coc[i] = picture.coc_scale * (1.0f / picture.focus - 1.0f / picture.depth[i]);
     float *image = calloc(3 * pixels, sizeof *image);
-    if (!image)
-        fail("image.f32", "does not fit in memory");
+    if (!image) fail(2, "image.f32", "does not fit in memory");
     for (size_t i = 0; i < pixels; i++)
         depth_of_field(&picture, (int)(i % (size_t)picture.width), (int)(i / (size_t)picture.width), image + 3 * i);
     write_floats(words[4], "image.f32", image, 3 * pixels);

@@ -4,7 +4,10 @@ from tests.oracle.mutations.row import Row
 
 __all__ = ["ROWS"]
 
-_BOUND = "radius < p->max_blur_size;"
+_BOUND = "radius < p->loop_bound;"
+_FIRST = "(float radius = p->radius_start;"
+_STEP = "angle += p->angle_step;"
+_START = "angle = p->angle_start;"
 _CLAMP = "return (int)fminf(fmaxf(index, 0.0f), (float)(count - 1));"
 _LIMIT = "p->behind_factor * center_size"
 _ORDER = "p->depth[texel] > p->depth[center]"
@@ -15,37 +18,37 @@ _TAP_COLOR = "color_at(p, tap_u, tap_v, c) * m"
 _ROWS = (
     # Where the loop ends, and how the spiral runs
     ("the loop ends at half its bound", "taps", "loop_cut",
-     _BOUND, "radius < 0.5f * p->max_blur_size;"),
+     _BOUND, "radius < 0.5f * p->loop_bound;"),
     ("the loop ends after 76 taps", "taps", "loop_cut",
-     _BOUND, "radius < p->max_blur_size && total < 77.0f;"),
+     _BOUND, "radius < p->loop_bound && total < 77.0f;"),
     ("the loop ends a tap early", "taps", "loop_cut",
-     _BOUND, "radius + p->rad_scale / radius < p->max_blur_size;"),
+     _BOUND, "radius + p->rad_scale / radius < p->loop_bound;"),
     ("the loop's bound is the listing's", "taps", "loop_long",
      _BOUND, "radius < 20.0f;"),
     ("the first radius is doubled", "taps", "radius_start",
-     "(float radius = p->rad_scale;", "(float radius = 2.0f * p->rad_scale;"),
+     _FIRST, "(float radius = 2.0f * p->radius_start;"),
     ("the first radius is the listing's", "taps", "radius_start",
-     "(float radius = p->rad_scale;", "(float radius = 0.5f;"),
+     _FIRST, "(float radius = 0.5f;"),
     ("the radius grows by a constant", "taps", "radius_growth",
      "radius += p->rad_scale / radius)", "radius += p->rad_scale)"),
-    ("the key of rad_scale is misspelt", "taps", "rad_scale",
-     '"rad_scale"))', '"radScale"))'),
+    ("RAD_SCALE is the listing's", "taps", "rad_scale or radius_growth",
+     "radius += p->rad_scale / radius)", "radius += 0.5f / radius)"),
     ("the spiral is mirrored", "taps", "row_order",
      "v + sinf(angle)", "v - sinf(angle)"),
     ("sine for cosine", "taps", "unexplained",
      "u + cosf(angle)", "u + sinf(angle)"),
     ("a wrong digit of the golden angle", "taps", "angle_step",
-     "2.39996323f", "2.39966323f"),
+     _STEP, "angle += 2.39966323f;"),
     ("the angle is in degrees", "taps", "angle_step",
-     "2.39996323f", "137.507764f"),
+     _STEP, "angle += 137.507764f;"),
     ("the angle is advanced first", "taps", "angle_start",
-     "total = 1.0f, angle = 0.0f", "total = 1.0f, angle = GOLDEN_ANGLE"),
+     _START, "angle = p->angle_step;"),
     ("the spiral starts to the left", "taps", "angle_start",
-     "total = 1.0f, angle = 0.0f", "total = 1.0f, angle = 3.14159265f"),
+     _START, "angle = 3.14159265f;"),
     ("one tap is another's", "taps", "tap_missing",
      "u + cosf(angle)", "u + cosf(total == 5.0f ? 0.0f : angle)"),
     ("a tap is left out", "taps", "tap_missing",
-     _TEXEL, f"if (radius > 1.6f && radius < 1.9f) {{ angle += GOLDEN_ANGLE; continue; }} {_TEXEL}"),
+     _TEXEL, f"if (radius > 1.6f && radius < 1.9f) {{ {_STEP} continue; }} {_TEXEL}"),
     ("the ellipse of a scalar pixel size", "taps", "pixel_size",
      "sinf(angle) * pixel_v", "sinf(angle) * pixel_u"),
     # What is read
@@ -73,8 +76,8 @@ _ROWS = (
     # Sizes and who may spread over whom
     ("circles are not cut", "size", "coc_unclamped",
      "fminf(fabsf(p->coc[texel]), p->max_blur_size)", "fabsf(p->coc[texel])"),
-    ("the key of max_blur_size is misspelt", "size", "max_blur_size",
-     '"max_blur_size"))', '"maxBlurSize"))'),
+    ("circles are cut at half the largest", "size", "size_cap",
+     "p->max_blur_size);", "0.5f * p->max_blur_size);"),
     ("circles before the focus are lost", "coc", "coc_near_lost",
      "fabsf(p->coc[texel])", "fmaxf(p->coc[texel], 0.0f)"),
     ("circles before the focus are halved", "coc", "unexplained",
