@@ -92,8 +92,8 @@ def baseline_rows(context, name, width, height, rounds):
     _, color, depth, coc = next(iter(pictures(name, width, height)))
     even = np.full_like(coc, EVEN)
     params = poisson.Params(code="thin_lens")
-    coded = np.concatenate([color, poisson._code(depth, coc, params)[..., None]], axis=-1).astype(np.float32)
-    work, textures, uniforms = listing.upload(context, coded, poisson._shrink(coded), poisson.TAPS, params.max_radius)
+    coded = np.concatenate([color, poisson.code_of(depth, coc, params)[..., None]], axis=-1).astype(np.float32)
+    work, textures, uniforms = listing.upload(context, coded, poisson.shrink(coded), poisson.TAPS, params.max_radius)
     point = np.zeros((33, 33, 3))
     point[16, 16] = 1.0
     disc = scatter.blur(point, np.ones((33, 33)), np.full((33, 33), EVEN))[..., :1].astype(np.float32)

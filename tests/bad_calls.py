@@ -21,7 +21,7 @@ import refdof
 from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
-from refdof.methods import cascaded, singlepass
+from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
@@ -372,6 +372,9 @@ DOORS["refdof.methods.singlepass.ties.bounds"] = Door(
     _PICTURES | {"params": singlepass.Params(max_taps=9), "epsilon": 1e-3, "hair": 1e-6},
     {"color": ("depth", "coc")},
 )
+DOORS["refdof.methods.poisson.ties.bounds"] = Door(
+    poisson.bounds, _PICTURES | {"params": poisson.Params(), "hair": 1e-5}, {"color": ("depth", "coc")}
+)
 for _name, _module in METHODS.items():
     DOORS[f"{_module.Params.__module__}.Params"] = Door(
         _rendered(_name),
@@ -407,6 +410,7 @@ INNER_MODULES = {
     "methods.mipmap.anisotropic", "methods.mipmap.upsample",
     "methods.multiview.cones", "methods.multiview.decomposition", "methods.multiview.fields",
     "methods.multiview.gather", "methods.multiview.height_field", "methods.multiview.ambiguous_rays",
+    "methods.poisson.coding", "methods.poisson.gather",
     "methods.pyramidal.pyramid",
     "methods.scatter.disc",
     "methods.singlepass.planar", "methods.singlepass.trace", "methods.singlepass.walk",
@@ -419,12 +423,17 @@ INNER = {
     "refdof.metrics.scores_of_many",
     "refdof.scene.material.as_colors",
     "refdof.image.display.encode",
+    "refdof.image.file.save_channels",
     "refdof.image.display.encode_one",
     "refdof.truth.forecast.Forecast",
     "refdof.optics.pixel_samples.LensPointSets",
     "refdof.optics.pixel_samples.mean_nearest_distance",
     "refdof.methods.cascaded.method.layering_of",
+    "refdof.methods.poisson.ties.bounds_of_coded",
+    "refdof.methods.singlepass.ties.Start",
+    "refdof.methods.singlepass.ties.bounds_from",
     "refdof.methods.multiview.method.cone_width",
+    "refdof.methods.poisson.method.coded_and_small",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
     "refdof.image.noise_floor.noise_moments",
@@ -499,7 +508,7 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "data")):
+        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "oracle.", "data")):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

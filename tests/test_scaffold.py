@@ -92,7 +92,11 @@ def test_the_row_is_in_its_place(tree):
             "mipmap",
             "NAME: got 'mipmap', but refdof/methods/mipmap exists; allowed is a new name",
         ),
-        ("new-method", "poisson", "NAME: got 'poisson', but refdof/methods/poisson.py exists; allowed is a new name"),
+        (
+            "new-method",
+            "separable",
+            "NAME: got 'separable', but refdof/methods/separable.py exists; allowed is a new name",
+        ),
         ("new-scene", "fence", "NAME: got 'fence', but refdof/scene/builtin/fence.py exists; allowed is a new name"),
     ],
 )

@@ -35,8 +35,8 @@ static const struct { const char *key; size_t place; float least, greatest; } NU
     {AT(angle_start), -1e6, 1e6}, {AT(angle_step), -1e6, 1e6}, {AT(coc_scale), -1e9, 1e9}, {AT(focus), 1e-9f, 1e9},
 };
 static const char *const ONLY[][2] = { /* the one value that this port has of a key */
-    {"depth_filter", "nearest"}, {"color_filter", "bilinear"}, {"order", "depth"}, {"border", "clamp"},
-    {"code", ""}, {"max_taps", ""}, {"scale_x", "1.0"}, {"scale_y", "1.0"}, {"shift_x", "0.0"},
+    {"method", "singlepass"}, {"depth_filter", "nearest"}, {"color_filter", "bilinear"}, {"order", "depth"},
+    {"border", "clamp"}, {"max_taps", ""}, {"scale_x", "1.0"}, {"scale_y", "1.0"}, {"shift_x", "0.0"},
     {"shift_y", "0.0"},
 };
 

@@ -5,6 +5,7 @@ The only file that imports imageio and OpenEXR.
 
 import os
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from refdof._check import Float, InputError, as_image, as_path
 from refdof.image.atomic import atomic_path
 from refdof.image.display import linear_from_display, to_8_bit
 
-__all__ = ["PNG_STRATEGY", "SUFFIXES", "load_image", "png_bytes", "save_image"]
+__all__ = ["PNG_STRATEGY", "SUFFIXES", "load_image", "png_bytes", "save_channels", "save_image"]
 
 PNG_STRATEGY = zlib.Z_RLE  # a quarter of the time for files that are one to nine percent larger
 SUFFIXES = (".png", ".exr", ".npy")
@@ -52,11 +53,16 @@ def save_image(path: str | os.PathLike[str], linear: Any) -> None:
         if suffix == ".png":
             temporary.write_bytes(png_bytes(image))
         elif suffix == ".exr":
-            header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-            OpenEXR.File(header, {"RGB": image.astype(np.float32)}).write(str(temporary))
+            save_channels(temporary, {"RGB": image})
         else:
             with temporary.open("wb") as stream:
                 np.save(stream, image, allow_pickle=False)
+
+
+def save_channels(path: Path, channels: Mapping[str, Float]) -> None:
+    """Write an EXR of float32, lossless (ZIP): {"RGB": (H, W, 3)} or channels of one number each, such as "Y"."""
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {name: values.astype(np.float32) for name, values in channels.items()}).write(str(path))
 
 
 def png_bytes(linear: Any) -> bytes:

@@ -1,8 +1,9 @@
 """Goldens: what a correct implementation makes of a case, how far it may be off, and why.
 
-1. Make the input, and the picture with its stages                       `golden_of`
-2. Bounds at ties, by the method's own `bounds`, of picture and means    `_bounds`
-3. A tolerance by what is rounded                                        `tolerance_of`
+1. Make the input, and the picture with its stages in float64            `golden_of`
+2. Bounds at ties, by the method's own `bounds`, of picture and means    `_tie_bounds`
+3. Bounds of circles and of what is made of them                         `_circle_bounds`
+4. A tolerance by what is rounded                                        `tolerance_of`
 """
 
 from dataclasses import dataclass, replace
@@ -12,17 +13,16 @@ import numpy as np
 
 from refdof._check import Float
 from refdof.methods import METHODS
-from refdof.oracle.cases import Case
+from refdof.oracle.cases import Case, module_of
+from refdof.oracle.circles import circle_bounds
 from refdof.oracle.inputs import INPUTS, Picture
 from refdof.rendering import make_params
 from refdof.stages import Stage
 
 __all__ = ["Expected", "Golden", "Tolerance", "golden_of", "tolerance_of"]
 
-# Values in 0 .. 1: texture coordinates near 1 are rounded to 2^-24, 2e-5 px of 320, and the first tap has a share of
-# 1/2; 398 sums in single precision add about 1e-6.
-_FILTER = 2e-5
 _ULP = 2.0**-23
+_LEAST = 2.0**-126  # denormal numbers may be taken for 0
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,9 @@ class Tolerance:
     """How far a value may lie outside of its bounds.
 
     A value is off by its distance from low .. high, in units of max_abs + max_rel |bound|. Up to 1 passes. Up to
-    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. NaN never passes.
+    `hard_factor` is a quality warning where at most `max_failing_fraction` of all values are above 1. The root of the
+    mean square of all distances may be up to `max_rms`, if it is given. `nan`: "forbid", NaN never passes; "match", it
+    does where NaN is expected. Infinities pass where they are expected.
     """
 
     max_abs: float
@@ -38,10 +40,15 @@ class Tolerance:
     hard_factor: float
     max_failing_fraction: float
     reason: str
+    max_rms: float | None = None
+    nan: str = "forbid"
 
 
 class Expected(NamedTuple):
-    """An array, its bounds (float32, rounded outwards), where they are apart, and the tolerance beyond them."""
+    """An array, its bounds (float32, rounded outwards), where they are apart, and the tolerance beyond them.
+
+    `ambiguity` is of ties only: where a choice is not determined.
+    """
 
     values: Float
     low: Float
@@ -63,18 +70,18 @@ def golden_of(case: Case) -> Golden:
     """Make a case."""
     module, picture = METHODS[case.method], INPUTS[case.input](*case.size)
     params = make_params(case.method, dict(case.params))
-    images, stages = picture[:3], {}
+    images = tuple(image.astype(np.float64) for image in picture[:3])
+    stages: dict[str, Float] = {}
     if case.stages is None:
         image = module.blur(*images, params)
     else:
         image, stages = module.blur(*images, params, stages=case.stages)
-    scale = max(1.0, float(np.abs(picture.color).max()))
     final = Stage("image", "H W 3", "linear RGB", "the method's picture", "filter")
-    expected = {"image": _expected(case, image, images, params, final, scale)}
+    expected = {"image": _expected(case, image, picture, params, final)}
     for name, values in stages.items():
         stage = next(stage for stage in module.METHOD.stages if stage.names(name))
-        if _in_packs(stage):
-            expected[name.replace(" ", "_")] = _expected(case, values, images, params, stage, scale, name)
+        if stage.name in module_of(case.method).STAGES:
+            expected[name.replace(" ", "_")] = _expected(case, values, picture, params, stage, name)
     if case.rows == "up":
         picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
         expected = {
@@ -84,33 +91,25 @@ def golden_of(case: Case) -> Golden:
     return Golden(picture, params, expected)
 
 
-def _in_packs(stage: Stage) -> bool:
-    """Whether packs hold a stage: maps by a formula, and means. What else a tap reads has ties without bounds."""
+def _expected(case: Case, values: Float, picture: Picture, params: Any, stage: Stage, name: str = "image") -> Expected:
+    single = values.astype(np.float32)
+    low, high, ambiguity = single, single, np.zeros(values.shape[:2], dtype=bool)
+    tolerance = tolerance_of(case.method, stage, max(1.0, float(np.abs(picture.color).max())))
     if stage.comparison == "filter":
-        return stage.name == "mean *"
-    return stage.axes == "H W" and stage.name != "coc" and not stage.name.endswith("*")
+        least, greatest, ambiguity = _tie_bounds(case.method, values, picture, params, name)
+        tied = ambiguity[..., None] if values.ndim == 3 else ambiguity
+        low, high = np.where(tied, _outward(least, -np.inf), single), np.where(tied, _outward(greatest, np.inf), single)
+    circles = _circle_bounds(case.method, picture, params, name)
+    if circles is not None:
+        low, high = (_outward(bound, towards) for bound, towards in zip(circles, (-np.inf, np.inf), strict=True))
+        low, high = np.minimum(low, single), np.maximum(high, single)
+        reason = "within what inverses of 3 and other steps of 1/2 units in the last place give; then 8 units"
+        tolerance = Tolerance(_LEAST, 8 * _ULP, 1.0, 0.0, reason)
+    return Expected(single, low, high, ambiguity, tolerance, stage.meaning)
 
 
-def _expected(
-    case: Case,
-    values: Float,
-    images: tuple[Float, ...],
-    params: Any,
-    stage: Stage,
-    scale: float,
-    name: str = "image",
-) -> Expected:
-    low, high, ambiguity = values, values, np.zeros(values.shape[:2], dtype=bool)
-    if stage.comparison == "filter":
-        low, high, ambiguity = _bounds(case.method, values, images, params, name)
-    return Expected(
-        values.astype(np.float32), _outward(low, -np.inf), _outward(high, np.inf), ambiguity,
-        tolerance_of(stage, scale), stage.meaning,
-    )  # fmt: skip
-
-
-def _bounds(
-    method: str, values: Float, images: tuple[Float, ...], params: Any, name: str
+def _tie_bounds(
+    method: str, values: Float, picture: Picture, params: Any, name: str
 ) -> tuple[Float, Float, np.ndarray]:
     """Bounds of the picture, or of the mean after some taps, which is the picture of a shorter loop."""
     bounds = getattr(METHODS[method], "bounds", None)
@@ -118,21 +117,24 @@ def _bounds(
     if bounds is None or word not in ("image", "mean"):
         return values, values, np.zeros(values.shape[:2], dtype=bool)
     changed = replace(params, max_taps=int(step)) if word == "mean" else params
-    low, high, ambiguity = bounds(*images, changed)
+    low, high, ambiguity = bounds(*picture[:3], changed)
     return low, high, ambiguity
 
 
-def tolerance_of(stage: Stage, scale: float) -> Tolerance:
-    """The tolerance of a stage of values up to `scale`, by how it is compared."""
+def _circle_bounds(method: str, picture: Picture, params: Any, name: str) -> tuple[Float, Float] | None:
+    """Bounds of circles, and of stages that a formula makes of them."""
+    circles = circle_bounds(picture)
+    return circles if name == "coc" else module_of(method).of_circles(name, *circles, params)
+
+
+def tolerance_of(method: str, stage: Stage, scale: float) -> Tolerance:
+    """The tolerance of a method's stage of values up to `scale`, by how it is compared."""
     if stage.comparison == "exact":
         return Tolerance(0.0, 0.0, 1.0, 0.0, "nothing is rounded")
     if stage.comparison == "formula":
         return Tolerance(8 * _ULP, 8 * _ULP, 1.0, 0.0, "a few roundings of float32: 8 units in the last place")
-    reason = (
-        f"2e-5 of the largest colour, {scale:g}: texture coordinates in float32 move taps by up to 2e-5 px, of which "
-        "the first has a share of 1/2; hundreds of sums in float32"
-    )
-    return Tolerance(_FILTER * scale, 0.0, 10.0, 1e-3, reason)
+    share, reason = module_of(method).FILTER
+    return Tolerance(share * scale, 0.0, 10.0, 1e-3, f"{share:g} of the largest colour, {scale:g}: {reason}")
 
 
 def _outward(values: Float, towards: float) -> Float:

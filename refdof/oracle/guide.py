@@ -1,10 +1,13 @@
 """Guide: what a pack says of itself: conventions for programs, and a README with which a port needs nothing else."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from refdof.oracle.inputs import FAR
+from refdof.oracle.cases import module_of
+from refdof.oracle.device_depth import DEVICE_DEPTHS
+from refdof.oracle.pictures import FAR
 
-__all__ = ["PACK_CONVENTIONS", "README"]
+__all__ = ["PACK_CONVENTIONS", "README", "guide_of"]
 
 PACK_CONVENTIONS: dict[str, Any] = {
     "color_space": "linear Rec.709, radiance; above 1 is allowed",
@@ -12,6 +15,7 @@ PACK_CONVENTIONS: dict[str, Any] = {
     "pixel_centre": "pixel (x, y) is sampled at (x + 0.5, y + 0.5)",
     "depth_kind": "planar distance along the optical axis, in scene units",
     "depth_empty_value": FAR,
+    "device_depth": {name: f"{formula}; n and f are near and far" for name, formula in DEVICE_DEPTHS.items()},
     "coc_unit": "px_radius",
     "coc_sign": "negative_near",
     "coc": "coc_scale * (1 / focus - 1 / depth), in float64 from depth in float32, rounded once",
@@ -24,14 +28,17 @@ README = """# A pack of refdof: what a correct port of a depth-of-field filter m
 
 Each folder in `cases/` is one case:
 
-    case.json     method, parameters, size [W, H], row order, files, tolerances with their reasons, tags
+    case.json     method, parameters, size [W, H], row order, files, tolerances with their reasons, tags, capabilities
     params.txt    the same numbers, one "key value" a line
     inputs/       color (H W 3), depth (H W), coc (H W): NAME.npy, and NAME.f32, the same numbers without a header
-    expected/     image (H W 3); low and high: its bounds; ambiguity (H W): where they differ; stages, if any
+                  depth_device, depth_device_reversed, depth_device_infinite (H W): NAME.f32
+    expected/     image (H W 3), .npy and .f32; low and high: its bounds; ambiguity (H W): where they differ; .npy
+    expected/stages/  stages, if any, with bounds of their own: mean_16.npy, mean_16.f32, mean_16_low.npy and so on
+    preview.png   for people: small, clipped, rows top-down; nothing is compared with it
 
-All numbers are little-endian float32, rows one after another, R G B of a pixel together. Colour is linear. Depth is
-planar; the background has a far depth, no infinity. coc is the circle of confusion's signed radius in pixels, negative
-before the focal plane. More in `conventions.json`.
+All numbers are little-endian float32, rows one after another, R G B of a pixel together; ambiguity is of truth values.
+Colour is linear. Depth is planar; the background has a far depth, no infinity. coc is the circle of confusion's signed
+radius in pixels, negative before the focal plane. More in `conventions.json`.
 
 ## What to write
 
@@ -42,30 +49,40 @@ else but stages under their names in `case.json`, such as `mean_16.f32`. A statu
     refdof check --pack PACK --impl "./port --case {case} --out {out}"
     refdof check --pack PACK --results DIR        # DIR/CASE/image.f32, made elsewhere
 
+`capabilities` in `case.json` are the parameters that a case changes, and what else it needs: a port with constants of
+its own does not support cases that change them.
+
 ## Rows
 
-The spiral turns, so the order of rows matters. `row_step` in `params.txt` is where the sine of a tap's angle points to
-in the files: +1 to later rows, -1 to earlier ones. A texture whose row 0 is texture coordinate 0 has +1: with rows "up"
-that is a bottom-up upload as OpenGL's. The cases tagged `mirrored_spiral` have -1.
+Rows "down" begin with the top row of the picture, rows "up" with the bottom row, in all files of a case alike. Where
+the order matters to a method, its section says how. Packs have pictures in both orders.
+
+## Device depth
+
+`near` (n) and `far` (f) in `params.txt` are the planes of three kinds of device depth, z the planar depth:
+
+    depth_device            d = f (z - n) / (z (f - n))    0 near, 1 far             1 / z = 1/n - d (1/n - 1/f)
+    depth_device_reversed   d = n (f - z) / (z (f - n))    1 near, 0 far             1 / z = 1/f + d (1/n - 1/f)
+    depth_device_infinite   d = n / z                      1 near, no far plane      1 / z = d / n
+
+The circle is then coc_scale (1 / focus - 1 / z), in float32, too. Decode to 1 / z, not to z: f n / (f - d (f - n))
+cancels. `device_depth` in `case.json` has, for each, by how many pixels a circle is off at most for d's being float32,
+and whether that is `enough`: at most 1e-5 px, which moves a picture by less than its tolerance. Where it is not, a port
+that decodes device depth cannot be held to the case.
 
 ## Ties
 
 A tap that lies exactly on a border of texels may read either. A value passes if it is within low .. high, and the
-tolerance beyond; `image` is one picture between them. NaN never passes.
+tolerance beyond; `image` is one picture between them, and where no bounds are given both are the picture itself.
+`ambiguous_share` in `case.json` is the share of pixels with bounds apart. NaN never passes.
 
-## singlepass
+## Circles
 
-The loop of Gustafsson (2018), "Bokeh Depth of Field in a Single Pass". `size(c) = min(|c|, max_blur_size)`:
-
-    color, total, radius, angle = color of the pixel, 1, radius_start, angle_start
-    while radius < loop_bound:
-        tap at pixel + scale * radius * (cos angle, row_step * sin angle)
-        its color: bilinear, clamped to the edge; its depth and coc: of the nearest texel, clamped to the edge
-        s = size(coc of tap); if depth of tap > depth of pixel: s = min(s, behind_factor * size(coc of pixel))
-        m = smoothstep(radius - 0.5, radius + 0.5, s)
-        color += mix(color / total, color of tap, m);  total += 1
-        angle += angle_step;  radius += rad_scale / radius
-    image = color / total
-
-Stages, where a case has them: `size`, `limit` = behind_factor * size, and `mean_K`, color / total after K taps.
+`coc` as a stage has bounds by interval arithmetic: 1 / depth and 1 / focus within 3 units in the last place, the rest
+rounded. A number of units alone would not do, since the difference cancels near the focal plane.
 """
+
+
+def guide_of(methods: Sequence[str]) -> str:
+    """The README of a pack with these methods."""
+    return "\n".join([README, *(module_of(method).GUIDE for method in methods)])

@@ -1,8 +1,9 @@
 """Pack: a folder with which an implementation is checked, in any language and without refdof.
 
 1. Make every case                                        `refdof.oracle.goldens.golden_of`
-2. Write its inputs, its results and what describes them  `_write_case`
+2. Write its inputs, its results and what describes them  `refdof.oracle.case_files.write_case`
 3. Write the guide, the conventions and the manifest      `write_pack`
+4. Take the place of an earlier pack of other content only where that is asked for
 
 No time, no machine and no path is written: the same code writes the same bytes.
 """
@@ -10,26 +11,24 @@ No time, no machine and no path is written: the same code writes the same bytes.
 import hashlib
 import json
 import os
+import shutil
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 import refdof
 from refdof._check import InputError, as_path
 from refdof.image.atomic import atomic_folder, check_folder
-from refdof.oracle.cases import Case, cases_of
-from refdof.oracle.goldens import Expected, Golden, golden_of
-from refdof.oracle.guide import PACK_CONVENTIONS, README
-from refdof.report.rows import plain
+from refdof.oracle.case_files import CASE_SCHEMA, write_case, write_json, write_plain
+from refdof.oracle.cases import cases_of
+from refdof.oracle.goldens import golden_of
+from refdof.oracle.guide import PACK_CONVENTIONS, guide_of
 
-__all__ = ["CASE_SCHEMA", "MANIFEST", "PACK_SCHEMA", "sha256_of", "write_pack"]
+__all__ = ["CASE_SCHEMA", "MANIFEST", "PACK_SCHEMA", "goldens_digest", "sha256_of", "write_pack"]
 
 MANIFEST = "manifest.json"
 PACK_SCHEMA = "refdof-pack-1"
-CASE_SCHEMA = "refdof-case-1"
+_MADE_OF = ("schema", "refdof", "level", "exr", "cases")  # what is known before anything is made
 
 
 def write_pack(
@@ -37,43 +36,50 @@ def write_pack(
     level: str = "core",
     methods: list[str] | None = None,
     tell: Callable[[str, int, int], None] = lambda what, done, count: None,
+    update: bool = False,
+    exr: bool = False,
 ) -> list[str]:
     """Write a pack and return the names of its cases.
 
     Parameters
     ----------
     folder : path
-        New, empty, or an earlier pack, which is replaced.
+        New, empty, or an earlier pack. One with the same content stays as it is.
     level : one of `refdof.oracle.cases.LEVELS`
     methods : names, or None for all that have cases
     tell : callable
         Is told what is done, how much of it, and of how much.
+    update : bool
+        An earlier pack of other content is replaced.
+    exr : bool
+        Inputs and pictures as EXR, too. Their bytes are OpenEXR's, which other versions of it may pack otherwise.
 
     Raises
     ------
     InputError
-        If the level or a method is not known, or the folder cannot be written or holds other things.
+        If the level or a method is not known, or the folder cannot be written, holds other things, or is a pack of
+        other content and `update` is False.
     """
     cases = cases_of(level, methods)
-    _check_target(folder)
+    names = [case.name for case in cases]
+    about = {"schema": PACK_SCHEMA, "refdof": refdof.__version__, "level": level, "exr": exr, "cases": names}
+    earlier = _earlier(folder)
+    if earlier and not update:
+        _check_same(folder, earlier, about, _MADE_OF)
     with atomic_folder(folder) as temporary:
         for done, case in enumerate(cases):
             tell(case.name, done, len(cases))
-            _write_case(temporary / "cases" / case.name, case, golden_of(case))
-        _write_json(temporary / "conventions.json", PACK_CONVENTIONS)
-        _write_text(temporary / "README.md", README)
-        files = sorted(path for path in temporary.rglob("*") if path.is_file())
-        _write_json(
-            temporary / MANIFEST,
-            {
-                "schema": PACK_SCHEMA,
-                "refdof": refdof.__version__,
-                "level": level,
-                "cases": [case.name for case in cases],
-                "files": {path.relative_to(temporary).as_posix(): sha256_of(path.read_bytes()) for path in files},
-            },
-        )
-    return [case.name for case in cases]
+            write_case(temporary / "cases" / case.name, case, golden_of(case), exr)
+        write_json(temporary / "conventions.json", PACK_CONVENTIONS)
+        write_plain(temporary / "README.md", guide_of(list(dict.fromkeys(case.method for case in cases))))
+        shutil.copytree(Path(__file__).parent / "schemas", temporary / "schemas")
+        paths = sorted(path.relative_to(temporary).as_posix() for path in temporary.rglob("*") if path.is_file())
+        files = {path: sha256_of((temporary / path).read_bytes()) for path in paths}
+        manifest = {**about, "goldens": goldens_digest(files), "files": files}
+        write_json(temporary / MANIFEST, manifest)
+        if earlier and not update:
+            _check_same(folder, earlier, manifest, ("files",))
+    return names
 
 
 def sha256_of(data: bytes) -> str:
@@ -81,104 +87,43 @@ def sha256_of(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def _write_case(folder: Path, case: Case, golden: Golden) -> None:
-    picture, expected = golden.picture, golden.expected
-    inputs = {
-        name: _write_array(folder, f"inputs/{name}", getattr(picture, name)) for name in ("color", "depth", "coc")
-    }
-    image = _write_expected(folder, "expected/", "image", expected["image"])
-    stages = {
-        name: _write_expected(folder, f"expected/stages/{name}_", name, one)
-        for name, one in expected.items()
-        if name != "image"
-    }
-    params = plain(asdict(golden.params))
-    about = {
-        "schema": CASE_SCHEMA,
-        "name": case.name,
-        "method": case.method,
-        "input": case.input,
-        "size": list(case.size),
-        "rows": case.rows,
-        "params": params,
-        "lens": {"coc_scale": picture.coc_scale, "focus": picture.focus},
-        "inputs": inputs,
-        "expected": {"image": image, "stages": stages},
-        "tags": [case.method, case.input, *case.tags],
-    }
-    _write_json(folder / "case.json", about)
-    _write_text(folder / "params.txt", _flat(_numbers(case, golden, params)))
+def goldens_digest(files: Mapping[str, str]) -> str:
+    """One digest of all cases: of lines as `sha256sum` writes them, by path. The guide does not count."""
+    lines = [f"{digest}  {path}\n" for path, digest in sorted(files.items()) if path.startswith("cases/")]
+    return sha256_of("".join(lines).encode())
 
 
-def _numbers(case: Case, golden: Golden, params: Mapping[str, Any]) -> dict[str, Any]:
-    """What `params.txt` holds: every parameter as a loop uses it, and the picture's own numbers."""
-    picture = golden.picture
-    own = {name: getattr(golden.params, name) for name in ("bound", "first_radius") if hasattr(golden.params, name)}
-    resolved = {"loop_bound": own.get("bound"), "radius_start": own.get("first_radius")}
-    return {
-        "width": case.size[0],
-        "height": case.size[1],
-        "rows": case.rows,
-        "row_step": 1 if params.get("row_order", "down") == case.rows else -1,
-        "near": float(picture.depth.min()),
-        "far": float(picture.depth.max()),
-        "focus": picture.focus,
-        "coc_scale": picture.coc_scale,
-        **{name: resolved.get(name) if value is None else value for name, value in params.items()},
-    }
+def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """The manifest of an earlier pack, or nothing.
 
-
-def _flat(values: Mapping[str, Any]) -> str:
-    """Lines "key value"; what is None is left out."""
-    return "".join(f"{key} {value}\n" for key, value in values.items() if value is not None)
-
-
-def _write_expected(folder: Path, place: str, name: str, one: Expected) -> dict[str, Any]:
-    """An array, and its bounds where they are not the array itself. Returns its entry in case.json."""
-    path = f"expected/{name}" if name == "image" else f"expected/stages/{name}"
-    entry = _write_array(folder, path, one.values)
-    if not (np.array_equal(one.low, one.values) and np.array_equal(one.high, one.values)):
-        for part in ("low", "high", "ambiguity"):
-            entry[part] = f"{place}{part}.npy"
-            _save(folder / entry[part], getattr(one, part))
-    return {**entry, "meaning": one.meaning, "tolerance": asdict(one.tolerance)}
-
-
-def _write_array(folder: Path, name: str, values: np.ndarray) -> dict[str, Any]:
-    _save(folder / f"{name}.npy", values)
-    (folder / f"{name}.f32").write_bytes(values.astype("<f4").tobytes())
-    return {"npy": f"{name}.npy", "raw": f"{name}.f32", "shape": list(values.shape)}
-
-
-def _save(path: Path, values: np.ndarray) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    kind = np.dtype("<f4") if values.dtype.kind == "f" else values.dtype
-    np.save(path, np.ascontiguousarray(values, dtype=kind), allow_pickle=False)
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    _write_text(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _check_target(folder: str | os.PathLike[str]) -> None:
-    """Raise before a long run if the folder cannot be made, or holds other things than an earlier pack."""
+    Raises
+    ------
+    InputError
+        Before a long run, if the folder cannot be made, or holds other things.
+    """
     target = as_path("out", folder).resolve()
     check_folder(target.parent)
     if not target.exists():
-        return
+        return {}
     check_folder(target)
-    if any(target.iterdir()) and not _is_earlier(target):
-        raise InputError(
-            f"out: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an earlier pack"
-        )
-
-
-def _is_earlier(folder: Path) -> bool:
+    if not any(target.iterdir()):
+        return {}
     try:
-        return bool(json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["schema"] == PACK_SCHEMA)
+        manifest = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
+        if manifest["schema"] == PACK_SCHEMA:
+            return dict(manifest)
     except (OSError, ValueError, KeyError, TypeError):
-        return False
+        pass
+    raise InputError(
+        f"out: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an earlier pack"
+    )
+
+
+def _check_same(
+    folder: str | os.PathLike[str], earlier: Mapping[str, Any], new: Mapping[str, Any], keys: tuple[str, ...]
+) -> None:
+    for key in keys:
+        if earlier.get(key) != new[key]:
+            raise InputError(
+                f"out: got {str(folder)!r}, a pack whose {key} differ; allowed is one of the same content, or --update"
+            )

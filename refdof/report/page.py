@@ -20,7 +20,7 @@ from refdof.image.file import png_bytes
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
 from refdof.report.table import columns, footnote, reference_line, texts
 
-__all__ = ["FLOAT_LIMIT_PX", "index_page", "report_page"]
+__all__ = ["FLOAT_LIMIT_PX", "index_page", "rendered", "report_page"]
 
 FLOAT_LIMIT_PX = 1_500_000  # pictures with more pixels are embedded as PNG
 
@@ -37,7 +37,7 @@ def report_page(comparison: Comparison, command: str = "") -> str:
     if encoding == "float16":
         images.append(("standard error", comparison.standard_error))
     values = rows_as_json(comparison, command)
-    return _rendered(
+    return rendered(
         "report.html",
         values=values,
         table=_table(comparison),
@@ -57,11 +57,12 @@ def index_page(comparisons: Sequence[Comparison], folders: Sequence[str], comman
         {"name": c.scene, "folder": folder, "thumbnail": _png(_smaller(c.reference)), "table": _table(c)}
         for c, folder in zip(comparisons, folders, strict=True)
     ]
-    return _rendered("index.html", scenes=scenes, command=command)
+    return rendered("index.html", scenes=scenes, command=command)
 
 
-def _rendered(name: str, **values: Any) -> str:
-    loader = FileSystemLoader(Path(__file__).parent)
+def rendered(name: str, folder: Path | None = None, **values: Any) -> str:
+    """A template of this folder, or of another one that may include this one's, filled in."""
+    loader = FileSystemLoader([Path(__file__).parent, *([] if folder is None else [folder])])
     templates = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )

@@ -15,10 +15,10 @@ def test_the_shader_on_noise(context):
     color = random.random((96, 128, 3), dtype=np.float32)
     coc = random.uniform(-6.0, 6.0, (96, 128)).astype(np.float32)
     params = poisson.Params(code="thin_lens")
-    coded = np.concatenate([color, poisson._code(np.ones_like(coc), coc, params)[..., None]], axis=-1).astype(
+    coded = np.concatenate([color, poisson.code_of(np.ones_like(coc), coc, params)[..., None]], axis=-1).astype(
         np.float32
     )
-    work, textures, uniforms = listing.upload(context, coded, poisson._shrink(coded), poisson.TAPS, 5.0)
+    work, textures, uniforms = listing.upload(context, coded, poisson.shrink(coded), poisson.TAPS, 5.0)
     shader.draw(work, textures, **uniforms)
     difference = np.abs(shader.read(work)[..., :3] - poisson.blur(color, np.ones_like(coc), coc, params)).max(axis=-1)
     # Values in [0, 1] differ from texel to texel by up to 1, and places are rounded to 1e-5 px: as much in 12 reads.

@@ -38,7 +38,7 @@ def images(seed, height, width, largest=7.0):
 def test_poisson_is_the_shader(size, choice):
     color, depth, coc = images(1, *size)
     params = poisson.Params(**choice)
-    picture, reads = naive_baselines.poisson(color, poisson._code(depth, coc, params), params.max_radius)
+    picture, reads = naive_baselines.poisson(color, poisson.code_of(depth, coc, params), params.max_radius)
     np.testing.assert_allclose(poisson.blur(color, depth, coc, params), picture, rtol=0, atol=ROUNDING)
     assert poisson.texture_reads(params, size[1], size[0]) * depth.size == pytest.approx(reads, rel=1e-12)
 
@@ -102,16 +102,16 @@ def test_mirrored_picture_gives_the_mirrored_result(name):
 def test_blur_codes_by_hand():
     depth = np.array([[1.0, 2.0, 3.0, 5.0, np.inf]])
     coc = 6.0 * (1 / 3 - 1 / depth)  # focus at 3: -4, -1, 0, 0.8, 2 px
-    code = poisson._code(depth, coc, poisson.Params())
+    code = poisson.code_of(depth, coc, poisson.Params())
     np.testing.assert_allclose(code, [[0.0, 0.25, 0.5, 1.0, 1.0]], rtol=0, atol=1e-14)
-    code = poisson._code(depth, coc, poisson.Params(code="thin_lens", max_radius=2.0))
+    code = poisson.code_of(depth, coc, poisson.Params(code="thin_lens", max_radius=2.0))
     np.testing.assert_allclose(code, [[0.0, 0.25, 0.5, 0.7, 1.0]], rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize(("circle", "code"), [(-2.0, 0.0), (0.0, 0.5), (2.0, 1.0)])
 def test_blur_code_of_a_flat_scene(circle, code):
     flat = np.full((2, 3), 7.0)
-    assert np.array_equal(poisson._code(flat, np.full((2, 3), circle), poisson.Params()), np.full((2, 3), code))
+    assert np.array_equal(poisson.code_of(flat, np.full((2, 3), circle), poisson.Params()), np.full((2, 3), code))
 
 
 def test_codes_differ_in_what_they_blur():
@@ -126,14 +126,14 @@ def test_poisson_keeps_a_pixel_whose_taps_weigh_nothing():
     color[12, 12], code[12, 12] = 1.0, 1.0
     coded = np.concatenate([color, code[..., None]], axis=-1)
     sharp = np.full((6, 6, 4), 0.5)
-    image = poisson._gather(coded, sharp, poisson.TAPS * 2.0, 5.0)  # taps clear of the pixel's own texel
+    image = poisson.gather(coded, sharp, poisson.TAPS * 2.0, 5.0)  # taps clear of the pixel's own texel
     assert np.array_equal(image[12, 12], color[12, 12])
 
 
 def test_blur_code_is_linear_in_distance_on_either_side():
     # In focus at 2, from 1 to 10: 3 is an eighth of the way behind, 1.5 half the way in front.
     depth = np.array([[1.0, 1.5, 2.0, 3.0, 6.0, 10.0, np.inf]])
-    code = poisson._code(depth, 4.0 * (0.5 - 1.0 / depth), poisson.Params())
+    code = poisson.code_of(depth, 4.0 * (0.5 - 1.0 / depth), poisson.Params())
     np.testing.assert_allclose(code, [[0.0, 0.25, 0.5, 0.5625, 0.75, 1.0, 1.0]], rtol=1e-12)
 
 
@@ -275,7 +275,7 @@ def test_a_lens_focused_far_away_blurs_what_is_near(focus):
     depth = np.array([[2.0, 4.0], [2.0, 4.0]])
     coc = 100.0 * (1.0 / focus - 1.0 / depth)
     # Full blur in front is 0; the focal plane at 10^6 leaves 4 / 10^6 of it.
-    np.testing.assert_allclose(poisson._code(depth, coc, poisson.Params()), 0.0, atol=4e-6)
+    np.testing.assert_allclose(poisson.code_of(depth, coc, poisson.Params()), 0.0, atol=4e-6)
 
 
 @pytest.mark.parametrize("method", [scatter, separable, poisson, pyramidal])

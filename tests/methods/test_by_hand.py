@@ -71,4 +71,4 @@ def test_poisson_blurs_what_is_at_infinity_in_full():
     # In focus at 3, beyond all that is not at infinity: circles are 1/3 - 1/d. Before it the code falls to 0 at the
     # nearest depth: 1/2 + 1/2 (d / 3 - 1) / (1 - 1 / 3).
     depth = np.array([[1.0, 2.0, np.inf]])
-    assert_allclose(poisson._code(depth, 1.0 / 3.0 - 1.0 / depth, poisson.Params()), [[0.0, 0.25, 1.0]], atol=1e-15)
+    assert_allclose(poisson.code_of(depth, 1.0 / 3.0 - 1.0 / depth, poisson.Params()), [[0.0, 0.25, 1.0]], atol=1e-15)

@@ -31,7 +31,7 @@ def test_poisson_makes_the_24_56_of_its_real_size():
 
 def test_poisson_makes_the_printed_24_04_of_the_printed_size():
     # Table 1 has 24.04, its text 24.03, for 9 / 16^2 + 24 = 24.035: rounded and cut.
-    assert math.ceil(100 * poisson._units(1 / 16**2)) / 100 == 24.04
+    assert math.ceil(100 * poisson.method._units(1 / 16**2)) / 100 == 24.04
 
 
 def test_separable_makes_the_printed_27():

@@ -2,8 +2,6 @@
 
 import json
 import os
-import shlex
-import sys
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,46 +9,17 @@ import pytest
 
 from refdof import InputError
 from refdof.oracle import check, check_command, check_results, write_pack
-from refdof.oracle.cases import Case
 from refdof.oracle.junit import junit
-from refdof.stages import Stages
 from tests.methods.singlepass.shader32 import listing
+from tests.oracle.small_pack import CASES, command, flip_bit, port, rewrite, write_results
 
 pytestmark = pytest.mark.fast
-
-CASES = [
-    Case("cards", "singlepass", "cards", (24, 18), stages=Stages((1, 4))),
-    Case("noise", "singlepass", "noise", (17, 13)),
-    Case("noise_up", "singlepass", "noise", (17, 13), {"row_order": "up"}, "up"),
-]
-
-
-@pytest.fixture(scope="module")
-def pack(tmp_path_factory):
-    """A pack of three small cases."""
-    folder = tmp_path_factory.mktemp("oracle") / "pack"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder)
-    return folder
-
-
-@pytest.fixture
-def copied(pack, tmp_path):
-    """A copy of the pack that a test may spoil."""
-    import shutil
-
-    return shutil.copytree(pack, tmp_path / "pack")
-
-
-def port(color, depth, coc, params):
-    return listing(color, depth, coc).astype(np.float32)
 
 
 def test_a_right_port_passes(pack):
     report = check(port, pack)
     assert report.passed
-    assert report.counts() == {"pass": 3, "quality warning": 0, "fail": 0, "not supported": 0, "error": 0}
+    assert {status: count for status, count in report.counts().items() if count} == {"pass": 3}
 
 
 FAULTS = {
@@ -126,12 +95,6 @@ def spoiled(copied, spoil):
     return check(port, copied).outcomes
 
 
-def flip_bit(path):
-    data = bytearray(path.read_bytes())
-    data[-1] ^= 1
-    path.write_bytes(bytes(data))
-
-
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
@@ -148,20 +111,6 @@ def test_a_spoiled_case_is_an_error_and_no_other(copied, spoil, said):
     assert [outcome.status for outcome in outcomes] == ["error", "pass", "pass"]
     assert outcomes[0].message.startswith(said)
     assert len(outcomes[0].message.splitlines()) == 1
-
-
-def rewrite(copied, name, change):
-    """Change a JSON file of the pack, and the manifest with it, as an attacker would."""
-    from refdof.oracle.pack import sha256_of
-
-    path = copied / name
-    content = json.loads(path.read_text())
-    change(content)
-    path.write_text(json.dumps(content))
-    if name != "manifest.json":
-        manifest = json.loads((copied / "manifest.json").read_text())
-        manifest["files"][name] = sha256_of(path.read_bytes())
-        (copied / "manifest.json").write_text(json.dumps(manifest))
 
 
 @pytest.mark.parametrize(
@@ -188,12 +137,24 @@ def test_a_manifest_of_another_kind_is_refused(copied, content):
         check(port, copied)
 
 
-def write_results(folder, pack):
-    """Right results of all cases, as files."""
-    for case in CASES:
-        images = [np.load(pack / "cases" / case.name / "inputs" / f"{name}.npy") for name in ("color", "depth", "coc")]
-        (folder / case.name).mkdir(parents=True)
-        (folder / case.name / "image.f32").write_bytes(port(*images, {}).astype("<f4").tobytes())
+def test_results_that_say_not_supported(pack, tmp_path):
+    """not_supported.txt alone, its first line; beside a picture it is no result."""
+    write_results(tmp_path, pack)
+    for name in ("cards", "noise"):
+        (tmp_path / name / "not_supported.txt").write_text("other filters only\nmore\n")
+    (tmp_path / "cards" / "image.f32").unlink()
+    report = check_results(tmp_path, pack)
+    assert [outcome.status for outcome in report.outcomes] == ["not supported", "error", "pass"]
+    assert report.outcomes[0].message == "other filters only"
+    assert report.outcomes[1].message.startswith("not_supported.txt: is no result of this case")
+
+
+def test_not_supported_is_not_read_through_a_link(pack, tmp_path):
+    (tmp_path / "secret.txt").write_text("secret\n")
+    (tmp_path / "cards").mkdir()
+    (tmp_path / "cards" / "not_supported.txt").symlink_to(tmp_path / "secret.txt")
+    outcome = check_results(tmp_path, pack).outcomes[0]
+    assert (outcome.status, outcome.message) == ("error", "not_supported.txt: is no regular file")
 
 
 def header(text):
@@ -232,13 +193,6 @@ def test_results_of_another_case(pack, tmp_path):
     assert [outcome.status for outcome in outcomes] == ["error", "error", "pass"]
     assert "bytes" in outcomes[0].message
     assert "missing" in outcomes[1].message
-
-
-def command(tmp_path, code):
-    """A command line of a Python script with this code."""
-    script = tmp_path / "a port.py"
-    script.write_text("import sys, time, pathlib\ncase, out = map(pathlib.Path, sys.argv[1:])\n" + code)
-    return f"{shlex.quote(sys.executable)} {shlex.quote(str(script))} {{case}} {{out}}"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX's")

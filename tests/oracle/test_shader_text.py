@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from refdof import InputError
-from refdof.oracle.shaders import glsl_text, wgsl_text
+from refdof.oracle.shaders.drawing import glsl_text, wgsl_text
+from refdof.oracle.shaders.drawing.messages import receive, send
+from refdof.oracle.shaders.drawing.slots import ShaderFault
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
-from refdof.oracle.shaders.messages import receive, send
 from refdof.oracle.shaders.names import sampler_meaning, usual_number, usual_texture
-from refdof.oracle.shaders.slots import ShaderFault
 
 pytestmark = pytest.mark.fast
 
@@ -99,6 +99,12 @@ def test_lines_of_a_shader_stay_where_they_are():
     assert fragment.inputs == (("uv", "vec2"),)
 
 
+def test_inputs():
+    text = "in vec2 a;\nin highp vec3 b, c;\nvec3 f(\n in vec2 d,\n in float e) { return b; }\n"
+    text += "out vec4 o;\nvoid main() { }"
+    assert glsl_text.whole_fragment(text).inputs == (("a", "vec2"), ("b", "vec3"), ("c", "vec3"))
+
+
 def test_newer_shaders_are_left_alone():
     text = "#version 450 core\nin vec2 at;\nout vec4 c;\nvoid main() { c = vec4(at, 0, 1); }"
     assert glsl_text.whole_fragment(text).text.splitlines()[:3] == ["#version 450", "#line 1", ""]
@@ -128,8 +134,7 @@ def test_initial_values():
     ("said", "line"),
     [
         ("GLSL Compiler failed\n\n0:12(5): error: `x' undeclared\n0:13(5): error: more", "line 12: `x' undeclared"),
-        ("0(7) : error C1503: undefined variable", "line 7: error C1503: undefined variable"),
-        ("ERROR: 0:7: 'x' : undeclared", "ERROR: 0:7: 'x' : undeclared"),
+        ("GLSL Linker failed\n\nerror: fragment shader lacks `main'", "error: fragment shader lacks `main'"),
         ("", "no reason given"),
     ],
 )

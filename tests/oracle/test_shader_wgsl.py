@@ -119,12 +119,3 @@ def test_what_cannot_be_drawn_is_told_once(outcomes, name):
     with pytest.raises(InputError, match=said) as raised:
         outcomes(text)
     assert len(str(raised.value).splitlines()) == 1
-
-
-def test_a_shader_that_never_ends_takes_no_other_case_with_it(outcomes):
-    text = mutated(
-        WGSL, "return color / total;", "while (settings.uPixelSize.x < 0.05) { color *= 1.001; } return color / total;"
-    )
-    found = outcomes(text, timeout=1.0)
-    assert statuses(found) == ["error", *["pass"] * 4], found
-    assert found[0].message == "the shader ran for more than 1 s and was ended"

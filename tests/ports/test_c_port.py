@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from refdof.oracle import check_command
 from tests.ports.cases import CASES, lay_down, outside
 
 SOURCE = (Path(__file__).parents[2] / "ports" / "c" / "singlepass.c").read_text()
@@ -96,3 +97,10 @@ def test_a_bad_folder_is_refused_in_one_line(file, content, message, program, tm
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "image.f32").exists()
+
+
+def test_the_core_pack_passes(program):
+    pack = Path(__file__).parents[2] / "data" / "packs" / "core"
+    report = check_command(f"{program} --case {{case}} --out {{out}}", pack)
+    assert report.passed, [outcome.message for outcome in report.outcomes if outcome.status not in ("pass", "waived")]
+    assert {outcome.status for outcome in report.outcomes if "singlepass" in outcome.case} == {"pass"}

@@ -23,7 +23,29 @@ from refdof.methods.singlepass.trace import cover_of
 from refdof.methods.singlepass.walk import NEAREST, Walk, bands, read_color, read_guides, sizes_of, spiral, walk_of
 from refdof.stages import Bounds
 
-__all__ = ["bounds"]
+__all__ = ["Start", "bounds", "bounds_from"]
+
+
+class Start(NamedTuple):
+    """Where a loop is taken up that another program has begun.
+
+    Attributes
+    ----------
+    limit : (H, W) or None
+        What the sizes of taps from behind are cut at [px]. None: the factor for them times the pixel's own size.
+    mean : (H, W, 3) or None
+        The mean after the first `taps` taps. None: the pixel's own colour.
+    taps : int
+    """
+
+    limit: Float | None = None
+    mean: Float | None = None
+    taps: int = 0
+
+    def rows(self, rows: slice) -> "Start":
+        """Of some rows."""
+        limit, mean = (None if part is None else part[rows] for part in self[:2])
+        return Start(limit, mean, self.taps)
 
 
 def bounds(
@@ -63,14 +85,23 @@ def bounds(
     epsilon = as_number("epsilon", epsilon, minimum=0.0, maximum=0.25)
     hair = as_number("hair", hair, minimum=0.0, maximum=0.25)
     color, depth, coc = (image.astype(np.float64) for image in as_images(color, depth, coc))
+    return bounds_from(color, depth, coc, params, Start(), epsilon, hair)
+
+
+def bounds_from(
+    color: Float, depth: Float, coc: Float, params: Params, start: Start, epsilon: float = 1e-3, hair: float = 1e-6
+) -> Bounds:
+    """`bounds`, after validation and in float64, of what correct programs make of `start`."""
     walk, shift = walk_of(color, depth, coc, params, beyond=epsilon), (params.shift_x, params.shift_y)
     places = spiral(params, beyond=epsilon)[:, :2] + shift
     fewest = len(spiral(params, beyond=-epsilon))
     low, high = np.full(color.shape, np.inf), np.full(color.shape, -np.inf)
     for rows, band in bands(walk):
-        for center in _centers(band, np.array(shift), params, epsilon):
-            taps = (_tap(band, k, place, center, params, epsilon, hair) for k, place in enumerate(places))
-            for least, greatest in _least_and_greatest(center, taps, fewest):
+        begun = start.rows(rows)
+        for center in _centers(band, np.array(shift), params, epsilon, begun):
+            later = range(start.taps, len(places))
+            taps = (_tap(band, k, places[k], center, params, epsilon, hair) for k in later)
+            for least, greatest in _least_and_greatest(center, taps, fewest, start.taps):
                 low[rows] = np.minimum(low[rows], np.moveaxis(least, 0, -1))
                 high[rows] = np.maximum(high[rows], np.moveaxis(greatest, 0, -1))
     return Bounds(low, high, np.asarray((low < high).any(axis=-1)))
@@ -94,19 +125,22 @@ class _Tap(NamedTuple):
     heaviest: Float
 
 
-def _centers(walk: Walk, place: Float, params: Params, epsilon: float) -> Iterator[_Center]:
+def _centers(walk: Walk, place: Float, params: Params, epsilon: float, start: Start) -> Iterator[_Center]:
     """The pixels themselves: as often as there are texels that their depth may be read from."""
     factor, largest = walk.numbers[:2]
     own = window(walk.center, walk.margin, 0, 0)
     least, greatest = own[:3], own[:3]
     if params.color_filter == "nearest":
         least, greatest = _extremes(walk.planes[:3], walk.margin, place, epsilon)
+    if start.mean is not None:
+        least = greatest = np.moveaxis(start.mean, -1, 0)
     guides = [own[3:]]
     if walk.mode == NEAREST:
         guides = [window(walk.planes[3:], walk.margin, x, y) for x, y in _texels_near(place, epsilon)]
     for order, size in guides:
         compared = own[3] if params.order == "always" else order
-        yield _Center(least, greatest, compared, factor * sizes_of(size, largest))
+        limit = factor * sizes_of(size, largest) if start.limit is None else start.limit
+        yield _Center(least, greatest, compared, limit)
 
 
 def _tap(walk: Walk, k: int, place: Float, center: _Center, params: Params, epsilon: float, hair: float) -> _Tap:
@@ -140,12 +174,14 @@ def _reaches(order: Float, size: Float, center: _Center, hair: float, blended: b
     return [reach, np.where(behind ^ close, cut, size)] if close.any() else [reach]
 
 
-def _least_and_greatest(center: _Center, taps: Iterator[_Tap], fewest: int) -> Iterator[tuple[Float, Float]]:
-    """The least and the greatest means (3, H, W) after every number of taps, from the fewest on."""
+def _least_and_greatest(
+    center: _Center, taps: Iterator[_Tap], fewest: int, first: int
+) -> Iterator[tuple[Float, Float]]:
+    """The least and the greatest means (3, H, W) after every number of taps, from the fewest on; `first` are done."""
     low, high = center.least, center.greatest
-    if fewest == 0:
+    if fewest <= first:
         yield low, high
-    for k, tap in enumerate(taps):
+    for k, tap in enumerate(taps, first):
         ends = [tap.lightest] if tap.heaviest is tap.lightest else [tap.lightest, tap.heaviest]
         low = np.minimum.reduce([low + m * (tap.least - low) / (k + 2) for m in ends])
         high = np.maximum.reduce([high + m * (tap.greatest - high) / (k + 2) for m in ends])

@@ -3,25 +3,27 @@
 1. Run it on the cases that tell most                            `refdof.oracle.diagnosis.shots`
 2. Look at the pictures as a whole                               `refdof.oracle.diagnosis.whole`
 3. Look for changes of a right port that give the same results    `refdof.oracle.diagnosis.search`
-4. Say what was found, or that nothing was                       `Diagnosis`
+4. Show its taps, if it can be run on other pictures             `refdof.oracle.diagnosis.probes`
+5. Say what was found, or that nothing was                       `Diagnosis`
 """
 
 import inspect
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from refdof._check import InputError
 from refdof.oracle.diagnosis.causes import NONE, UNEXPLAINED, cause_of
 from refdof.oracle.diagnosis.image_switches import image_switches
+from refdof.oracle.diagnosis.probes import probe
 from refdof.oracle.diagnosis.samples import Shot
 from refdof.oracle.diagnosis.search import Found, search
-from refdof.oracle.diagnosis.shots import METHOD, shots_of, telling
+from refdof.oracle.diagnosis.shots import METHOD, probed, shots_of, telling
 from refdof.oracle.diagnosis.switches import size_switches
 from refdof.oracle.diagnosis.tap_switches import tap_switches
 from refdof.oracle.diagnosis.whole import is_finite, whole_cause
-from refdof.oracle.files import open_pack
+from refdof.oracle.files import Pack, open_pack
 from refdof.oracle.sources import Source, of_function
 
 __all__ = ["Diagnosis", "Named", "diagnose", "diagnose_source"]
@@ -57,6 +59,8 @@ class Diagnosis:
         What else was looked at, and the share of the error that each explains.
     cases : tuple of names
         The cases that were looked at.
+    probes : tuple of lines
+        The port's taps beside those expected, where it could be run on other pictures.
     """
 
     causes: tuple[Named, ...]
@@ -65,6 +69,7 @@ class Diagnosis:
     explained: float = 0.0
     others: tuple[tuple[Named, float], ...] = ()
     cases: tuple[str, ...] = ()
+    probes: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
@@ -80,7 +85,7 @@ class Diagnosis:
         """The sentence, further causes, and the evidence."""
         also = [f"and {cause.sentence}" for cause in self.causes[1:]]
         near = [f"not as good: {one.sentence} ({share:.0%} of the error)" for one, share in self.others]
-        return [self.causes[0].sentence, *also, f"({self.evidence})", *near]
+        return [self.causes[0].sentence, *also, f"({self.evidence})", *near, *self.probes]
 
     def as_json(self) -> dict[str, Any]:
         """Plain data, as `refdof diagnose --json` writes it."""
@@ -96,6 +101,7 @@ class Diagnosis:
             "explained": self.explained,
             "others": [{**plain(cause), "explained": share} for cause, share in self.others],
             "cases": list(self.cases),
+            "probes": list(self.probes),
         }
 
 
@@ -134,12 +140,20 @@ def _takes_one(function: Callable[..., Any]) -> bool:
     return True
 
 
-def diagnose_source(source: Source, pack: str | os.PathLike[str], case: str | None = None) -> Diagnosis:
-    """`diagnose` of a source."""
+def diagnose_source(
+    source: Source, pack: str | os.PathLike[str], case: str | None = None, probes: bool = True
+) -> Diagnosis:
+    """`diagnose` of a source, with or without probes, which run it on other pictures."""
     opened = open_pack(pack)
     if case is not None and case not in opened.cases:
         raise InputError(f"case: got {case!r}; allowed are {', '.join(opened.cases)}")
     shots, faults = shots_of(opened, source, case)
+    found = _diagnosis(opened, shots, faults)
+    flat = probed(opened, shots) if probes and found.key != NONE.key else None
+    return replace(found, probes=tuple(probe(source, *flat))) if flat else found
+
+
+def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
     names = tuple(shot.name for shot in shots)
     if not shots:
         said = f"no case of {METHOD} could be compared" + (f": {faults[0]}" if faults else "")

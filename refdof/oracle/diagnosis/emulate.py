@@ -56,7 +56,7 @@ def emulator(samples: Samples) -> Callable[[Model], Float]:
             taps, center = colors(_key(_COLOR_READS, model))
             seen = guides(_key(_GUIDE_READS, model))
             shares, own = tap_shares(model, spiral_of(model)[:, 2], seen)
-            image = own[:, None] * center + np.einsum("pn,pnc->pc", shares, taps)
+            image = own[:, None] * center + np.einsum("pn,pnc->pc", shares.astype(np.float32), taps)
             image = operate(image, model.after)
             left = _left_alone(model, seen)
             return np.where(left[:, None], center, image)
@@ -115,7 +115,7 @@ def _radii_of(radius: float, bound: float, count: int, rad_scale: float, growth:
 
 def _colors(samples: Samples, model: Model) -> tuple[Float, Float]:
     """Colours of the taps (P, N, 3) and of the pixels themselves (P, 3)."""
-    texels = operate(samples.color, model.before)
+    texels = operate(samples.color, model.before).astype(np.float32)
     x, y = pixels_of(samples, model)
     places = spiral_of(model)[:, :2]
     center = np.array([model.shift_center_color])

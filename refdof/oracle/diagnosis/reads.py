@@ -56,9 +56,15 @@ def read(samples: Samples, texels: Float, x: Index, y: Index, spots: Spots, bord
 
     if spots.right is None or spots.down is None:
         return texel(rows[0], columns[0])
-    right, down = (share if texels.ndim == 1 else share[:, None] for share in (spots.right, spots.down))
+    right, down = (_as(texels, share) for share in (spots.right, spots.down))
     first, second = (texel(row, columns[0]) * (1.0 - right) + texel(row, columns[1]) * right for row in rows)
     return first * (1.0 - down) + second * down
+
+
+def _as(texels: Float, share: Float) -> Float:
+    """Shares (N,) of the texels' type, for one or several channels."""
+    share = share.astype(texels.dtype)
+    return share if texels.ndim == 1 else share[:, None]
 
 
 def _within(index: Index, count: int, border: str) -> Index:

@@ -17,8 +17,9 @@ __all__ = ["Samples", "Shot", "choose", "samples_of"]
 class Shot(NamedTuple):
     """A picture, and what a port made of it; rows as in files.
 
-    color, got, expected (H, W, 3); depth, coc (H, W); coc_scale, focus: of the lens; tolerance: of a value; off (H, W):
-    how many tolerances the worst channel is outside of the bounds; right: the model of a right port.
+    color, got, expected (H, W, 3); depth, coc (H, W); coc_scale, focus, near, far: of the lens and its planes;
+    tolerance: of a value; off (H, W): how many tolerances the worst channel is outside of the bounds; right: the model
+    of a right port.
     """
 
     name: str
@@ -27,6 +28,8 @@ class Shot(NamedTuple):
     coc: Float
     coc_scale: float
     focus: float
+    near: float
+    far: float
     got: Float
     expected: Float
     tolerance: float
@@ -88,8 +91,8 @@ def samples_of(shot: Shot, x: Index, y: Index) -> Samples:
         coc=shot.coc.astype(np.float64).ravel(),
         coc_scale=shot.coc_scale,
         focus=shot.focus,
-        near=float(depth.min()),
-        far=float(depth.max()),
+        near=shot.near,
+        far=shot.far,
         squared=squared.ravel(),
         mirror_x=(row * width + width - 1 - column).ravel(),
         mirror_y=((height - 1 - row) * width + column).ravel(),

@@ -20,8 +20,8 @@ from refdof.oracle.diagnosis.switches import Switch
 
 __all__ = ["Found", "Step", "search"]
 
-_PIXELS = 64, 160, 480  # of all pictures: for a first look, for fits, for the ranking
-_SHOTS = 4  # of the first look
+_PIXELS = 48, 160, 480  # of all pictures: for a first look, for fits, for the ranking
+_SHOTS = 3  # of the first look
 _LOOKED_AT = 24  # switches that pass the first look
 _FITTED = 6  # switches whose numbers are fitted, of each round
 _BASES = 3  # what a next round begins with
@@ -72,33 +72,31 @@ class _Bench:
         self._run: list[Callable[[Model], Float]] = [emulator(samples) for samples in self.samples]
 
     def errors(self, steps: tuple[Step, ...]) -> list[Float]:
-        """|got - emulated| (P, 3) of each picture."""
+        """|got - emulated| (P, 3) of each picture, in tolerances, at most `_CUT`; 0 where neither is a number."""
         found = []
         for samples, run in zip(self.samples, self._run, strict=True):
             model = samples.right
             for step in steps:
                 model = step.switch.change(model, step.value)
-            found.append(np.nan_to_num(np.abs(samples.got - run(model)), nan=np.inf))
+            image = run(model)
+            with np.errstate(invalid="ignore", over="ignore"):
+                off = np.abs(samples.got - image) / samples.tolerance
+            off = np.where(np.isfinite(samples.got) | np.isfinite(image), off, 0.0)
+            found.append(np.minimum(np.nan_to_num(off, nan=_CUT, posinf=_CUT), _CUT))
         return found
 
     def score(self, steps: tuple[Step, ...]) -> float:
-        logs = [
-            np.log1p(np.minimum(error / samples.tolerance, _CUT)).mean()
-            for error, samples in zip(self.errors(steps), self.samples, strict=True)
-        ]
-        return float(np.mean(logs))
+        """Mean of log(1 + error in tolerances), of each picture alike."""
+        return float(np.mean([np.log1p(off).mean() for off in self.errors(steps)]))
 
     def found(self, steps: tuple[Step, ...]) -> Found:
+        """How well the changes give what the port gave."""
         errors, before = self.errors(steps), self.errors(())
-        close = [error.max(axis=1) <= _CLOSE * s.tolerance for error, s in zip(errors, self.samples, strict=True)]
-        # Relative to each picture's largest colour, so that no picture outweighs the others.
-        rest, all_of_it = (
-            sum(np.minimum(error / s.tolerance, _CUT).mean() for error, s in zip(part, self.samples, strict=True))
-            for part in (errors, before)
-        )
-        worst = max(float(error.max()) for error in errors)
-        share = float(1.0 - rest / all_of_it) if all_of_it > 0.0 else 1.0
-        return Found(steps, self.score(steps), float(np.concatenate(close).mean()), share, worst)
+        close = np.concatenate([off.max(axis=1) <= _CLOSE for off in errors])
+        rest, all_of_it = (sum(float(off.mean()) for off in part) for part in (errors, before))
+        worst = max(float(off.max()) * samples.tolerance for off, samples in zip(errors, self.samples, strict=True))
+        share = 1.0 - rest / all_of_it if all_of_it > 0.0 else 1.0
+        return Found(steps, self.score(steps), float(close.mean()), share, worst)
 
 
 def search(shots: Sequence[Shot], switches: Sequence[Switch]) -> list[Found]:

@@ -14,11 +14,10 @@ from refdof.oracle.diagnosis.samples import Shot
 from refdof.oracle.files import FileFault, Pack
 from refdof.oracle.sources import NotSupported, Source, Task
 
-__all__ = ["METHOD", "case_shot", "shots_of", "telling"]
+__all__ = ["METHOD", "case_shot", "probed", "shots_of", "telling"]
 
 METHOD = "singlepass"
 _INPUTS = ("cards", "noise", "hdr", "scene", "bar", "ramp", "impulses", "constant")  # by how much they tell
-_OTHER_TAGS = {"params", "mirrored_spiral"}
 _MOST_OF_AN_INPUT, _FAILING, _PASSING = 3, 6, 2
 _SLOW = 20000  # pixels: of larger pictures, one an input is run
 
@@ -33,11 +32,18 @@ def shots_of(pack: Pack, source: Source, case: str | None) -> tuple[list[Shot], 
         except FileFault as fault:
             faults.append(f"{name}: {fault}")
     ours = [name for name, one in about.items() if one.get("method") == METHOD and case in (None, name)]
-    plain = [name for name in ours if case or not _OTHER_TAGS & set(about[name].get("tags") or ())]
+    plain = [name for name in ours if case or _is_plain(about[name])]
     shots = _run(pack, source, _few(plain, about), about, faults)
     if not any(_fails(shot) for shot in shots):
         shots += _run(pack, source, [name for name in ours if name not in plain], about, faults)
     return shots, faults
+
+
+def probed(pack: Pack, shots: list[Shot]) -> tuple[Task, Shot] | None:
+    """The shot whose depths show taps best, of one depth and with large circles, and its task."""
+    flat = [shot for shot in shots if np.ptp(shot.depth) == 0.0 and np.isfinite(shot.got).all()]
+    shot = max(flat, key=lambda shot: float(np.abs(shot.coc).max()), default=None)
+    return None if shot is None else (case_shot(pack, shot.name, pack.description(shot.name))[0], shot)
 
 
 def telling(shots: list[Shot]) -> list[Shot]:
@@ -55,6 +61,11 @@ def telling(shots: list[Shot]) -> list[Shot]:
     ranked.sort(key=lambda entry: entry[:2])
     failing = [shot for _, _, shot in ranked if _fails(shot)][:_FAILING]
     return failing + [shot for _, _, shot in ranked if not _fails(shot)][:_PASSING]
+
+
+def _is_plain(about: dict[str, Any]) -> bool:
+    """Whether a case needs nothing but the listing: it has no tags but its method and input."""
+    return not set(about.get("tags") or ()) - {about.get("method"), about.get("input")}
 
 
 def _fails(shot: Shot) -> bool:
@@ -103,6 +114,8 @@ def case_shot(pack: Pack, name: str, about: dict[str, Any]) -> tuple[Task, Shot]
         shapes = {part: tuple(int(side) for side in entry["shape"]) for part, entry in expected.items()}
         lens = float(about["lens"]["coc_scale"]), float(about["lens"]["focus"])
         allowed = float(about["expected"]["image"]["tolerance"]["max_abs"])
+        planes = about.get("device_depth") or {}
+        near_far = [planes.get(name) for name in ("near", "far")]
         params, right = dict(about["params"]), model_of(about["params"], str(about["rows"]))
         values = about["expected"]["image"]["npy"]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -111,8 +124,9 @@ def case_shot(pack: Pack, name: str, about: dict[str, Any]) -> tuple[Task, Shot]
     color, depth, coc = (pack.array(name, path, size) for path, size in zip(paths, sizes, strict=True))
     wanted = pack.array(name, values, sizes[0])
     task = Task(name, pack.folder / "cases" / name, (color, depth, coc), params, shapes)
+    near, far = (float(given or least) for given, least in zip(near_far, (depth.min(), depth.max()), strict=True))
     nothing = np.zeros((height, width))
-    return task, Shot(name, color, depth, coc, *lens, wanted, wanted, allowed, nothing, right)
+    return task, Shot(name, color, depth, coc, *lens, near, far, wanted, wanted, allowed, nothing, right)
 
 
 def _with_results(shot: Shot, pack: Pack, name: str, about: dict[str, Any], got: np.ndarray) -> Shot:

@@ -100,7 +100,7 @@ def _depths() -> list[Switch]:
     words = {0.0: ": it is not multiplied by the far plane"}
 
     def scale(shot: Shot, value: float) -> dict[str, Any]:
-        return {"value": value or 1.0 / shot.depth.max(), "words": words.get(value, "")}
+        return {"value": value or 1.0 / shot.far, "words": words.get(value, "")}
 
     def radial(circles: bool) -> Change:
         return lambda model, value: replace(model, depth="radial", radial=value, depth_of_circles=circles)

@@ -109,7 +109,8 @@ def _faulty_tap(times: int, words: str) -> Switch:
 
 
 def _places() -> list[Switch]:
-    steps = [pair for pair in product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=2) if pair != (0.0, 0.0)]
+    one = [pair for pair in product((-1.0, 0.0, 1.0), repeat=2) if pair != (0.0, 0.0)]
+    steps = [(length * x, length * y) for length in (0.5, 1.0) for x, y in one]
 
     def added(names: tuple[str, ...]) -> Change:
         def change(model: Model, value: tuple[float, float]) -> Model:

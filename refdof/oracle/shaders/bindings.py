@@ -15,9 +15,9 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_path
 from refdof.oracle.shaders.case import PICTURES, CaseValues, filter_of
+from refdof.oracle.shaders.drawing.slots import COUNTS, Slot
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
 from refdof.oracle.shaders.names import known_names, sampler_meaning, usual_number, usual_texture
-from refdof.oracle.shaders.slots import COUNTS, Slot
 from refdof.oracle.sources import NotSupported
 
 __all__ = ["FILTERS", "Binding", "Draw", "Plan", "plan_of", "read_bindings"]
@@ -98,7 +98,7 @@ def read_bindings(file: str | os.PathLike[str]) -> dict[str, Binding]:
     return {name: _binding(f"bindings: {name}", value) for name, value in content.items()}
 
 
-def plan_of(slots: Iterable[Slot], given: Mapping[str, Binding], keys: set[str]) -> Plan:
+def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str]) -> Plan:
     """Give every slot a meaning. `keys`: the names of the numbers that cases have.
 
     Raises
@@ -106,7 +106,7 @@ def plan_of(slots: Iterable[Slot], given: Mapping[str, Binding], keys: set[str])
     InputError
         If a name has none, or a binding does not fit.
     """
-    slots = {slot.name: slot for slot in slots}
+    slots = {slot.name: slot for slot in found}
     plan = Plan({}, {}, {}, slots)
     for name, binding in given.items():
         if name not in slots:

@@ -7,17 +7,25 @@ import sys
 import weakref
 from collections.abc import Mapping
 from contextlib import suppress
-from pathlib import Path
 from threading import Timer
 from typing import Any
 
-import refdof
 from refdof._check import Float
-from refdof.oracle.shaders.messages import receive, send
+from refdof.oracle.shaders import drawing
+from refdof.oracle.shaders.drawing.messages import receive, send
 
 __all__ = ["Ended", "Process"]
 
 _MESA = {"EGL_PLATFORM": "surfaceless", "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
+
+_RUN = """
+import importlib.util, sys
+spec = importlib.util.spec_from_file_location("drawing", sys.argv[1])
+sys.modules["drawing"] = package = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(package)
+from drawing.worker import answer_all
+answer_all()
+"""
 
 
 class Ended(Exception):
@@ -25,18 +33,16 @@ class Ended(Exception):
 
 
 class Process:
-    """A process that runs `refdof.oracle.shaders.worker`. It ends with this object."""
+    """A process that runs `drawing.worker` without the rest of refdof; it ends with this object, or its input."""
 
     def __init__(self) -> None:
-        root = str(Path(refdof.__file__).resolve().parents[1])
-        paths = os.pathsep.join(part for part in (root, os.environ.get("PYTHONPATH")) if part)
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "refdof.oracle.shaders.worker"],
+            [sys.executable, "-P", "-c", _RUN, str(drawing.__file__)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # an interrupt ends this process, which then ends that one
-            env={**os.environ, **_MESA, "PYTHONPATH": paths},
+            env={**os.environ, **_MESA},
         )
         self.stop = weakref.finalize(self, _stop, self._process)
 

@@ -18,8 +18,8 @@ from refdof.methods import METHODS
 from refdof.oracle.files import FileFault
 from refdof.oracle.shaders.bindings import Plan, plan_of, read_bindings
 from refdof.oracle.shaders.case import case_values
+from refdof.oracle.shaders.drawing.slots import Slot
 from refdof.oracle.shaders.process import Ended, Process
-from refdof.oracle.shaders.slots import Slot
 from refdof.oracle.sources import NotSupported, Task
 
 __all__ = ["SUFFIXES", "ShaderSource", "of_shader"]
@@ -28,6 +28,7 @@ SUFFIXES = {".frag": "glsl", ".glsl": "glsl", ".fs": "glsl", ".wgsl": "wgsl"}
 _PACKAGES = {"glsl": "moderngl", "wgsl": "wgpu"}
 _LARGEST_FILE = 2**20
 _START_S = 60.0  # to start a process and compile; a compiler is not a shader
+_LONGEST_S = 1e6
 _BY_HOST = {"depth_filter", "color_filter", "row_order", "precision"}  # what the host of a shader decides
 
 
@@ -58,7 +59,7 @@ class ShaderSource:
 
     def __init__(self, file: str | os.PathLike[str], bindings: str | os.PathLike[str] | None, timeout: float) -> None:
         path = as_path("shader", file)
-        self._timeout = as_number("timeout", timeout, above=0.0)
+        self._timeout = as_number("timeout", timeout, above=0.0, maximum=_LONGEST_S)
         self._name, self._text, self._language = path.name, _text(path), _language(path)
         self._method = next((name for name in METHODS if path.stem.lower().startswith(name)), "singlepass")
         self._given = {} if bindings is None else read_bindings(bindings)
@@ -139,7 +140,7 @@ class ShaderSource:
         if "error" in answer:
             self.close()
             raise InputError(f"shader: {self._name}: {answer['error']}")
-        return [Slot(*slot[:4], tuple(slot[4])) for slot in answer["slots"]]
+        return [Slot._make(slot) for slot in answer["slots"]]
 
 
 def _language(path: Path) -> str:

@@ -21,8 +21,8 @@ import numpy as np
 
 from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
-from refdof.oracle.checking import STATUSES, Report, _check
-from refdof.oracle.files import FileFault, open_pack
+from refdof.oracle.checking import STATUSES, Report, check_source
+from refdof.oracle.files import FileFault
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, Task, of_command, of_folder
 from tests.gl.shader import open_context
@@ -82,7 +82,7 @@ class Bench:
     def report_of(self, port: str, text: str) -> Report:
         """The check of a port with this text."""
         with self.source_of(port, text) as source:
-            return _check(open_pack(self.pack), source, None)
+            return check_source(source, self.pack)
 
     def status_of(self, row: Row) -> str:
         """The worst status of a wrong port."""
@@ -92,7 +92,7 @@ class Bench:
         """The check of a wrong port, and what is named as its cause."""
         began = time.perf_counter()
         with self.source_of(row.port, row.text) as source:
-            status = _worst(_check(open_pack(self.pack), source, None))
+            status = _worst(check_source(source, self.pack))
             named = diagnose(source, self.pack).causes[0] if status == "fail" else None
         stage, cause = (named.stage, named.key) if named else ("", "")
         return Result(row, status, stage, cause, time.perf_counter() - began)
