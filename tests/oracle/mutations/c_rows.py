@@ -5,6 +5,9 @@ from tests.oracle.mutations.row import Row
 __all__ = ["ROWS"]
 
 _BOUND = "radius < p->loop_bound;"
+_FIRST = "(float radius = p->radius_start;"
+_STEP = "angle += p->angle_step;"
+_START = "angle = p->angle_start;"
 _CLAMP = "return (int)fminf(fmaxf(index, 0.0f), (float)(count - 1));"
 _LIMIT = "p->behind_factor * center_size"
 _ORDER = "p->depth[texel] > p->depth[center]"
@@ -23,29 +26,29 @@ _ROWS = (
     ("the loop's bound is the listing's", "taps", "loop_long",
      _BOUND, "radius < 20.0f;"),
     ("the first radius is doubled", "taps", "radius_start",
-     "(float radius = p->radius_start;", "(float radius = 2.0f * p->radius_start;"),
+     _FIRST, "(float radius = 2.0f * p->radius_start;"),
     ("the first radius is the listing's", "taps", "radius_start",
-     "(float radius = p->radius_start;", "(float radius = 0.5f;"),
+     _FIRST, "(float radius = 0.5f;"),
     ("the radius grows by a constant", "taps", "radius_growth",
      "radius += p->rad_scale / radius)", "radius += p->rad_scale)"),
-    ("the key of rad_scale is misspelt", "taps", "rad_scale",
-     '{AT(rad_scale),', '{"radScale", offsetof(Picture, rad_scale),'),
+    ("RAD_SCALE is the listing's", "taps", "rad_scale or radius_growth",
+     "radius += p->rad_scale / radius)", "radius += 0.5f / radius)"),
     ("the spiral is mirrored", "taps", "row_order",
      "v + sinf(angle)", "v - sinf(angle)"),
     ("sine for cosine", "taps", "unexplained",
      "u + cosf(angle)", "u + sinf(angle)"),
     ("a wrong digit of the golden angle", "taps", "angle_step",
-     "angle += p->angle_step;", "angle += 2.39966323f;"),
+     _STEP, "angle += 2.39966323f;"),
     ("the angle is in degrees", "taps", "angle_step",
-     "angle += p->angle_step;", "angle += 137.507764f;"),
+     _STEP, "angle += 137.507764f;"),
     ("the angle is advanced first", "taps", "angle_start",
-     "angle = p->angle_start;", "angle = p->angle_step;"),
+     _START, "angle = p->angle_step;"),
     ("the spiral starts to the left", "taps", "angle_start",
-     "angle = p->angle_start;", "angle = 3.14159265f;"),
+     _START, "angle = 3.14159265f;"),
     ("one tap is another's", "taps", "tap_missing",
      "u + cosf(angle)", "u + cosf(total == 5.0f ? 0.0f : angle)"),
     ("a tap is left out", "taps", "tap_missing",
-     _TEXEL, f"if (radius > 1.6f && radius < 1.9f) {{ angle += GOLDEN_ANGLE; continue; }} {_TEXEL}"),
+     _TEXEL, f"if (radius > 1.6f && radius < 1.9f) {{ {_STEP} continue; }} {_TEXEL}"),
     ("the ellipse of a scalar pixel size", "taps", "pixel_size",
      "sinf(angle) * pixel_v", "sinf(angle) * pixel_u"),
     # What is read
@@ -73,8 +76,8 @@ _ROWS = (
     # Sizes and who may spread over whom
     ("circles are not cut", "size", "coc_unclamped",
      "fminf(fabsf(p->coc[texel]), p->max_blur_size)", "fabsf(p->coc[texel])"),
-    ("the key of max_blur_size is misspelt", "size", "max_blur_size",
-     '{AT(max_blur_size),', '{"maxBlurSize", offsetof(Picture, max_blur_size),'),
+    ("circles are cut at half the largest", "size", "size_cap",
+     "p->max_blur_size);", "0.5f * p->max_blur_size);"),
     ("circles before the focus are lost", "coc", "coc_near_lost",
      "fabsf(p->coc[texel])", "fmaxf(p->coc[texel], 0.0f)"),
     ("circles before the focus are halved", "coc", "unexplained",

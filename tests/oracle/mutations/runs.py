@@ -2,30 +2,34 @@
 
 1. Write a pack of small cases                    `Bench`
 2. Make a source of results of a changed text     `Bench.source_of`
-3. Check what it makes, and have it explained     `Bench.result_of`
+3. Check what it makes, and have it explained     `Bench.result_of`, `results_of`
 """
 
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import cache
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 from unittest import mock
 
 import numpy as np
 
 from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
-from refdof.oracle.checking import STATUSES, Report, _check
-from refdof.oracle.files import FileFault, open_pack
+from refdof.oracle.checking import STATUSES, Report, check_source
+from refdof.oracle.files import FileFault
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, Task, of_command, of_folder
+from tests.gl.shader import open_context
 from tests.oracle.mutations.row import TEXTS, Row
 from tests.oracle.mutations.table import Result
 
-__all__ = ["CASES", "Bench"]
+__all__ = ["CASES", "Bench", "results_of"]
 
 _UP = {"row_order": "up"}
 
@@ -43,20 +47,16 @@ TIMEOUT_S = 20.0
 
 
 class Bench:
-    """A small pack, and an OpenGL context that draws; both are gone after `with`."""
+    """A small pack, and an OpenGL context that draws; `close` removes what it has written."""
 
-    def __init__(self, context: Any) -> None:
-        self._context = context
+    def __init__(self) -> None:
+        self._context = open_context()
         self._folder = tempfile.TemporaryDirectory(prefix="refdof-")
         self.pack = Path(self._folder.name) / "pack"
         with mock.patch("refdof.oracle.pack.cases_of", return_value=CASES):
             write_pack(self.pack)
 
-    def __enter__(self) -> Self:
-        """Nothing more to open."""
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
         """Remove the folder and the context."""
         self._folder.cleanup()
         self._context.release()
@@ -82,14 +82,17 @@ class Bench:
     def report_of(self, port: str, text: str) -> Report:
         """The check of a port with this text."""
         with self.source_of(port, text) as source:
-            return _check(open_pack(self.pack), source, None)
+            return check_source(source, self.pack)
+
+    def status_of(self, row: Row) -> str:
+        """The worst status of a wrong port."""
+        return _worst(self.report_of(row.port, row.text))
 
     def result_of(self, row: Row) -> Result:
         """The check of a wrong port, and what is named as its cause."""
         began = time.perf_counter()
         with self.source_of(row.port, row.text) as source:
-            report = _check(open_pack(self.pack), source, None)
-            status = max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
+            status = _worst(check_source(source, self.pack))
             named = diagnose(source, self.pack).causes[0] if status == "fail" else None
         stage, cause = (named.stage, named.key) if named else ("", "")
         return Result(row, status, stage, cause, time.perf_counter() - began)
@@ -101,6 +104,26 @@ class Bench:
         command = ["cc", "-std=c99", "-O2", "-o", folder / "port", folder / "port.c", "-lm"]
         subprocess.run(command, check=True, capture_output=True, timeout=60)
         return folder / "port"
+
+
+def results_of(rows: Sequence[Row]) -> Iterator[Result]:
+    """`Bench.result_of` of rows, in their order, by as many processes as there are processors."""
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        yield from pool.map(_result_of, rows)
+
+
+@cache
+def _bench() -> Bench:
+    """This process's own; its folder goes when the process ends."""
+    return Bench()
+
+
+def _result_of(row: Row) -> Result:
+    return _bench().result_of(row)
+
+
+def _worst(report: Report) -> str:
+    return max((outcome.status for outcome in report.outcomes), key=STATUSES.index)
 
 
 def _of_host(run: Callable[..., None], shader: str, context: Any) -> Source:
