@@ -32,6 +32,7 @@ from refdof.view import View
 
 __all__ = ["add_explain"]
 
+_LENS = ("coc_scale", "focus")
 _FILES = ("explanation.json", "table.csv", "picture.png")
 
 
@@ -113,11 +114,11 @@ def _read_case(folder: Path) -> _Case:
         images = [pack.array(folder.name, about["inputs"][name]["npy"], shape) for name, shape in shapes.items()]
         if about["rows"] == "up":
             images = [image[::-1] for image in images]
-        lens = float(about["lens"]["coc_scale"]), float(about["lens"]["focus"])
+        lens = [None if about.get("lens", {}).get(name) is None else float(about["lens"][name]) for name in _LENS]
         method, values = str(about["method"]), dict(about["params"])
     except FileFault as fault:
         raise InputError(f"case: {folder.name}: {fault}") from None
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"case: case.json of {folder.name} lacks or garbles {error}") from None
     color, depth, coc = (np.ascontiguousarray(image) for image in images)
     return _Case(method, make_params(method, values), given_pictures(color, depth, coc, *lens))

@@ -43,5 +43,5 @@ def layer_table(count: int, seen: Callable[[int], Float], shares: Callable[[rang
                 rows.append((k, share, *seen(k)))
     rest = 1.0 - sum(row[1] for row in rows)
     columns = ("layer", "share", *COLOR)
-    title = f"layers, front to back: share of the pixel and light from it; {rest:.6g} of the pixel is of no layer"
+    title = f"layers, front to back: share of the pixel and light from it; the other {rest:.6g} is of no layer"
     return Part(title, columns, np.array(rows).reshape(-1, len(columns)))

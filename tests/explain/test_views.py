@@ -50,7 +50,7 @@ def test_a_pinhole_shows_one_surface(method):
     view = View(scene, scene.camera, ThinLens(0.0, 1.0))
     found = explain_view(method, view, METHODS[method].Params(), (5, 4))
     assert found.agrees
-    assert found.value == pytest.approx(view.pinhole().color[4, 5], abs=1e-6)
+    assert found.value == pytest.approx(view.pinhole().color[4, 5], abs=2e-5)  # 398 sums in float32
 
 
 def test_rays_meet_what_geometry_says():
