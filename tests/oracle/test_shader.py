@@ -15,6 +15,7 @@ from tests.oracle.shader_cases import (
     GLSL,
     PORTS,
     REVERSED,
+    Kept,
     function_only,
     need,
     varying,
@@ -32,9 +33,18 @@ def pack(tmp_path_factory):
     return write(folder / "pack")
 
 
+@pytest.fixture(scope="module")
+def kept():
+    process = Kept()
+    yield process
+    process.close()
+
+
 @pytest.fixture
-def outcomes(pack, tmp_path):
+def outcomes(pack, tmp_path, kept, monkeypatch):
     """What a shader's text makes of every case, with a text of bindings."""
+
+    monkeypatch.setattr(source, "Process", kept)
 
     def run(text, bindings=None, timeout=20.0, name="shader.frag"):
         (tmp_path / name).write_text(text)
