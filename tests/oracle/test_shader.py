@@ -4,8 +4,10 @@ import os
 import signal
 
 import pytest
+from typer.testing import CliRunner
 
 from refdof import InputError
+from refdof.cli import app
 from refdof.oracle import check_shader
 from refdof.oracle.shaders import source
 from tests.oracle.shader_cases import (
@@ -258,6 +260,17 @@ def test_files_that_are_no_shaders(pack, tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=r"^shader: got"):
         check_shader(tmp_path / name, pack)
+
+
+def test_the_command(pack, tmp_path):
+    words = ["check", "--pack", str(pack), "--shader", str(PORTS / "glsl" / "singlepass.frag")]
+    done = CliRunner().invoke(app, words)
+    assert (done.exit_code, done.output.splitlines()[-1]) == (0, "5 pass")
+    (tmp_path / "bindings.toml").write_text('uBehindFactor = "3"')
+    done = CliRunner().invoke(app, [*words, "--bindings", str(tmp_path / "bindings.toml")])
+    assert done.exit_code == 1
+    done = CliRunner().invoke(app, ["check", "--pack", str(pack), "--results", str(pack), "--bindings", "x.toml"])
+    assert str(done.exception) == "bindings: got a file without --shader; allowed is one with a shader"
 
 
 def test_a_shader_named_after_another_method_does_not_do_these(outcomes):

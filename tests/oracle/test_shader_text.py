@@ -105,6 +105,18 @@ def test_inputs():
     assert glsl_text.whole_fragment(text).inputs == (("a", "vec2"), ("b", "vec3"), ("c", "vec3"))
 
 
+def test_a_main_of_our_own_declares_what_the_text_does_not():
+    text = "uniform vec3 iResolution;\nvoid mainImage(out vec4 c, in vec2 p) { c = texture(iChannel0, p); }"
+    declared = [line for line in glsl_text.whole_fragment(text).text.splitlines() if line.startswith("uniform")]
+    assert declared == ["uniform sampler2D iChannel0;", "uniform vec3 iResolution;"]
+    text = "uniform float focus;\nvec3 blur(vec2 uv, float focus, int count) { return vec3(uv, focus); }"
+    fragment = glsl_text.whole_fragment(text).text
+    assert [line for line in fragment.splitlines() if line.startswith("uniform")] == [
+        "uniform float focus;", "uniform int count;",
+    ]  # fmt: skip
+    assert "blur(refdof_texCoord, focus, count)" in fragment
+
+
 def test_newer_shaders_are_left_alone():
     text = "#version 450 core\nin vec2 at;\nout vec4 c;\nvoid main() { c = vec4(at, 0, 1); }"
     assert glsl_text.whole_fragment(text).text.splitlines()[:3] == ["#version 450", "#line 1", ""]
