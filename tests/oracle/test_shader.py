@@ -116,6 +116,12 @@ def test_circles_may_be_read_instead_of_made(outcomes):
     assert statuses(outcomes(text)) == CONSTANTS
 
 
+def test_depth_in_alpha(outcomes):
+    text = varying().replace("texture2D(tDepth, p).r", "texture2D(tDepth, p).a")
+    bindings = 'tDepth = { value = "color, depth / far", filter = "nearest" }'
+    assert statuses(outcomes(text, bindings)) == CONSTANTS
+
+
 def test_bindings_give_numbers_by_expressions(outcomes):
     text = mutated(varying(), "uniform float focusDistance, focusScale;", "uniform float uInverse, uStrength;")
     text = mutated(text, "gather(vUv, focusDistance, focusScale)", "gather(vUv, 1.0 / uInverse, uStrength)")
