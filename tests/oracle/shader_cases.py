@@ -9,6 +9,7 @@ from refdof import InputError
 from refdof.oracle import write_pack
 from refdof.oracle.cases import Case
 from refdof.oracle.shaders import of_shader
+from refdof.oracle.shaders.process import Process
 
 PORTS = Path(__file__).parents[2] / "ports"
 GLSL = (PORTS / "glsl" / "singlepass.frag").read_text()
@@ -88,6 +89,23 @@ def write(folder, cases=CASES):
         patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: cases)
         write_pack(folder)
     return folder
+
+
+class Kept:
+    """One process for many shaders, in place of `Process`: to start one takes longer than to draw."""
+
+    def __init__(self):
+        self.process = None
+
+    def __call__(self):
+        if self.process is None or self.process._process.poll() is not None:
+            self.process = Process()
+            self.end, self.process.stop = self.process.stop, lambda: None
+        return self.process
+
+    def close(self):
+        if self.process is not None:
+            self.end()
 
 
 def need(suffix, folder):

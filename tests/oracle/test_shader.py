@@ -4,8 +4,10 @@ import os
 import signal
 
 import pytest
+from typer.testing import CliRunner
 
 from refdof import InputError
+from refdof.cli import app
 from refdof.oracle import check_shader
 from refdof.oracle.shaders import source
 from tests.oracle.shader_cases import (
@@ -15,6 +17,7 @@ from tests.oracle.shader_cases import (
     GLSL,
     PORTS,
     REVERSED,
+    Kept,
     function_only,
     need,
     varying,
@@ -32,9 +35,18 @@ def pack(tmp_path_factory):
     return write(folder / "pack")
 
 
+@pytest.fixture(scope="module")
+def kept():
+    process = Kept()
+    yield process
+    process.close()
+
+
 @pytest.fixture
-def outcomes(pack, tmp_path):
+def outcomes(pack, tmp_path, kept, monkeypatch):
     """What a shader's text makes of every case, with a text of bindings."""
+
+    monkeypatch.setattr(source, "Process", kept)
 
     def run(text, bindings=None, timeout=20.0, name="shader.frag"):
         (tmp_path / name).write_text(text)
@@ -102,6 +114,12 @@ def test_circles_may_be_read_instead_of_made(outcomes):
     text = text.replace("sizeAt(there, focus, focusScale)", "min(abs(texture2D(tCoc, at).r), 20.0)")
     text = text.replace("uniform sampler2D tDepth;", "uniform sampler2D tDepth, tCoc;")
     assert statuses(outcomes(text)) == CONSTANTS
+
+
+def test_depth_in_alpha(outcomes):
+    text = varying().replace("texture2D(tDepth, p).r", "texture2D(tDepth, p).a")
+    bindings = 'tDepth = { value = "color, depth / far", filter = "nearest" }'
+    assert statuses(outcomes(text, bindings)) == CONSTANTS
 
 
 def test_bindings_give_numbers_by_expressions(outcomes):
@@ -248,6 +266,17 @@ def test_files_that_are_no_shaders(pack, tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=r"^shader: got"):
         check_shader(tmp_path / name, pack)
+
+
+def test_the_command(pack, tmp_path):
+    words = ["check", "--pack", str(pack), "--shader", str(PORTS / "glsl" / "singlepass.frag")]
+    done = CliRunner().invoke(app, words)
+    assert (done.exit_code, done.output.splitlines()[-1]) == (0, "5 pass")
+    (tmp_path / "bindings.toml").write_text('uBehindFactor = "3"')
+    done = CliRunner().invoke(app, [*words, "--bindings", str(tmp_path / "bindings.toml")])
+    assert done.exit_code == 1
+    done = CliRunner().invoke(app, ["check", "--pack", str(pack), "--results", str(pack), "--bindings", "x.toml"])
+    assert str(done.exception) == "bindings: got a file without --shader; allowed is one with a shader"
 
 
 def test_a_shader_named_after_another_method_does_not_do_these(outcomes):

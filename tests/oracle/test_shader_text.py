@@ -20,7 +20,7 @@ KEYS = {"max_blur_size", "rad_scale", "behind_factor", "loop_bound", "max_taps",
 @pytest.mark.parametrize(
     ("names", "meaning"),
     [
-        ("uTexture tDiffuse colorTexture iChannel0 u_texture MainTex _MainTex inputImageTexture", "color"),
+        ("uTexture tDiffuse colorTexture iChannel0 u_texture MainTex _MainTex inputImageTexture sDiffMap", "color"),
         ("uDepth tDepth depthTexture u_depthMap sceneDepth DepthBuffer", "depth / far"),
         ("uCoc tCoC cocTexture", "coc"),
         ("uNormals tNoise iChannel1 lut", None),
@@ -37,7 +37,9 @@ def test_usual_textures(names, meaning):
         ("_MainTex_TexelSize", 4, "1 / width, 1 / height, width, height"),
         ("iResolution uResolution", 3, "width, height, 1"),
         ("resolution u_resolution screenSize", 2, "width, height"),
-        ("uFar cameraFar zFar", 1, "far"),
+        ("uFar cameraFar zFar cFar farPlane", 1, "far"),
+        ("CameraNearFar", 2, "near, far"),
+        ("g_z_near cameraNear", 1, "near"),
         ("focusPoint uFocus focalDepth focusDistance", 1, "focus"),
         ("focusScale uFocusScale", 1, "coc_scale / max_blur_size"),
         ("uMaxBlurSize MAX_BLUR_SIZE maxBlur", 1, "max_blur_size"),
@@ -103,6 +105,18 @@ def test_inputs():
     text = "in vec2 a;\nin highp vec3 b, c;\nvec3 f(\n in vec2 d,\n in float e) { return b; }\n"
     text += "out vec4 o;\nvoid main() { }"
     assert glsl_text.whole_fragment(text).inputs == (("a", "vec2"), ("b", "vec3"), ("c", "vec3"))
+
+
+def test_a_main_of_our_own_declares_what_the_text_does_not():
+    text = "uniform vec3 iResolution;\nvoid mainImage(out vec4 c, in vec2 p) { c = texture(iChannel0, p); }"
+    declared = [line for line in glsl_text.whole_fragment(text).text.splitlines() if line.startswith("uniform")]
+    assert declared == ["uniform sampler2D iChannel0;", "uniform vec3 iResolution;"]
+    text = "uniform float focus;\nvec3 blur(vec2 uv, float focus, int count) { return vec3(uv, focus); }"
+    fragment = glsl_text.whole_fragment(text).text
+    assert [line for line in fragment.splitlines() if line.startswith("uniform")] == [
+        "uniform float focus;", "uniform int count;",
+    ]  # fmt: skip
+    assert "blur(refdof_texCoord, focus, count)" in fragment
 
 
 def test_newer_shaders_are_left_alone():

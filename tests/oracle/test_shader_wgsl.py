@@ -4,7 +4,8 @@ import pytest
 
 from refdof import InputError
 from refdof.oracle import check_shader
-from tests.oracle.shader_cases import CASES, CONSTANTS, PORTS, WGSL, need, write
+from refdof.oracle.shaders import source
+from tests.oracle.shader_cases import CASES, CONSTANTS, PORTS, WGSL, Kept, need, write
 from tests.ports.cases import mutated
 
 pytestmark = pytest.mark.gl
@@ -43,14 +44,23 @@ def pack(tmp_path_factory):
     return write(folder / "pack")
 
 
+@pytest.fixture(scope="module")
+def kept():
+    process = Kept()
+    yield process
+    process.close()
+
+
 @pytest.fixture
-def outcomes(pack, tmp_path):
-    def run(text, bindings=None, timeout=20.0):
+def outcomes(pack, tmp_path, kept, monkeypatch):
+    monkeypatch.setattr(source, "Process", kept)
+
+    def run(text, bindings=None):
         (tmp_path / "shader.wgsl").write_text(text)
         file = None if bindings is None else tmp_path / "bindings.toml"
         if file is not None:
             file.write_text(bindings)
-        return check_shader(tmp_path / "shader.wgsl", pack, file, timeout).outcomes
+        return check_shader(tmp_path / "shader.wgsl", pack, file).outcomes
 
     return run
 

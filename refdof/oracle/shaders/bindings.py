@@ -114,7 +114,7 @@ def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str])
         allowed = _allowed(slots[name].kind, keys)
         if not names_in(binding.tree) <= set(allowed):
             raise InputError(f"bindings: {name}: got {binding.text!r}; allowed are the names {', '.join(allowed)}")
-    near = next((slot.name for slot in slots.values() if _means(slot, "near", keys)), None)
+    near = next((slot.name for slot in slots.values() if _is_near(slot, keys)), None)
     for name, slot in slots.items():
         if slot.kind == "texture":
             plan.textures[name] = given.get(name) or _texture(name, near)
@@ -185,8 +185,10 @@ def _number(slot: Slot, keys: set[str]) -> Binding | None:
     return bound
 
 
-def _means(slot: Slot, meaning: str, keys: set[str]) -> bool:
-    return slot.kind == "uniform" and usual_number(slot.name, COUNTS.get(slot.type, 0), keys) == meaning
+def _is_near(slot: Slot, keys: set[str]) -> bool:
+    """Whether it is the near plane, which only those read whose depth is not linear, or may not be."""
+    meaning = usual_number(slot.name, COUNTS.get(slot.type, 0), keys)
+    return slot.kind == "uniform" and meaning in ("near", "near, far")
 
 
 def _sampler(slot: Slot, plan: Plan) -> str | tuple[str, ...]:

@@ -10,7 +10,8 @@ __all__ = ["known_names", "sampler_meaning", "usual_number", "usual_texture"]
 
 _TEXTURES = {
     "color": """texture tex color colour colortexture colourtexture colortex texturecolor texcolor colormap colorbuffer
-        diffuse scene scenetexture scenecolor scenetex image img input inputtexture inputimage inputbuffer inputcolor
+        diffuse diffmap diffusemap diffusetexture scene scenetexture scenecolor scenetex image img
+        input inputtexture inputimage inputbuffer inputcolor
         inputimagetexture inputtex source sourcetexture src maintex maintexture channel0 tex0 texture0 colortex0
         framebuffer frame screen screentexture screentex rendertexture renderedtexture rendered basetexture
         bglrenderedtexture map backbuffer rt rgb""",
@@ -22,7 +23,7 @@ _TEXTURES = {
 _NUMBERS = {
     "1 / width, 1 / height": """pixelsize texelsize texel pixel onepixel invresolution inverseresolution invsize
         rcpresolution resolutioninverse invscreensize inversesize texturetexelsize maintextexelsize texeldelta
-        invtexturesize pixelstep texelstep screenpixelsize invviewport""",
+        gbufferinvsize invtexturesize pixelstep texelstep screenpixelsize invviewport""",
     "width, height": """resolution res size screensize texturesize viewport viewportsize imagesize renderersize
         windowsize screenresolution viewresolution framesize rendersize textureresolution dimensions bufferresolution
         screen""",
@@ -34,6 +35,7 @@ _NUMBERS = {
     "width / height": "aspect aspectratio",
     "far": "far zfar farz camerafar farplane farclip farclipplane cameraFarPlane fardistance maxdepth depthfar camfar",
     "near": "near znear nearz cameranear nearplane nearclip nearclipplane neardistance mindepth depthnear camnear",
+    "near, far": "nearfar cameranearfar clipplanes",
     "focus": """focus focuspoint focusdistance focusdepth focaldepth focaldistance focalplane focalpoint focuspos
         focusplane focalplanedistance""",
     "coc_scale / max_blur_size": "focusscale",
@@ -56,7 +58,7 @@ _WIDER = {
 
 def _plain(name: str) -> str:
     """A name without prefix, underscores and case."""
-    bare = re.sub(r"^(?:[ugmst]_|_)|^[utsgmi](?=[A-Z])", "", name)
+    bare = re.sub(r"^(?:[ugmst]_|_)|^[utsgmic](?=[A-Z])", "", name)
     return bare.replace("_", "").lower()
 
 

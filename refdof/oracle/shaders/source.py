@@ -21,6 +21,7 @@ from refdof.oracle.shaders.case import case_values
 from refdof.oracle.shaders.drawing.slots import Slot
 from refdof.oracle.shaders.process import Ended, Process
 from refdof.oracle.sources import NotSupported, Task
+from refdof.report.rows import plain
 
 __all__ = ["SUFFIXES", "ShaderSource", "of_shader"]
 
@@ -170,7 +171,7 @@ def _method_of(task: Task) -> str:
 
 def _check_parameters(task: Task, method: str, owned: set[str]) -> None:
     """Raise if a parameter differs from the method's own, and the shader has no uniform for it."""
-    defaults = asdict(METHODS[method].METHOD.params())
+    defaults = plain(asdict(METHODS[method].METHOD.params()))
     for key, value in task.params.items():
         own = value is None or key in _BY_HOST or key in owned
         if not own and value != defaults.get(key):

@@ -128,20 +128,26 @@ def _tail(bare: str) -> tuple[list[str], str]:
     """Declarations before the text and a main after it, for a text that has none."""
     out = "\n#line 1 1\nin vec2 refdof_texCoord;\nlayout(location = 0) out vec4 refdof_result;\n"
     if re.search(r"\bvoid\s+mainImage\s*\(", bare):
-        toys = [f"uniform {kind} {name};" for name, kind in _SHADERTOY.items() if re.search(rf"\b{name}\b", bare)]
-        return toys, out + "void main() { refdof_result = vec4(1.0); mainImage(refdof_result, gl_FragCoord.xy); }\n"
+        used = [name for name in _SHADERTOY if re.search(rf"\b{name}\b", bare) and not _is_uniform(bare, name)]
+        return [
+            f"uniform {_SHADERTOY[name]} {name};" for name in used
+        ], out + "void main() { refdof_result = vec4(1.0); mainImage(refdof_result, gl_FragCoord.xy); }\n"
     for kind, name, arguments in reversed(_FUNCTION.findall(bare)):
         parts = [part.split() for part in arguments.split(",") if part.strip()]
         parts = [[word for word in part if word not in ("in", "const", "highp", "mediump", "lowp")] for part in parts]
         places = [part for part in parts if part[0] == "vec2"]
         if len(places) != 1 or not all(len(part) == 2 and part[0] in COUNTS for part in parts):
             continue
-        others = [part for part in parts if part[0] != "vec2"]
+        others = [part for part in parts if part[0] != "vec2" and not _is_uniform(bare, part[1])]
         declared = "".join(f"uniform {' '.join(part)};\n" for part in others)
         given = ", ".join("refdof_texCoord" if part[0] == "vec2" else part[1] for part in parts)
         value = f"{name}({given})" if kind == "vec4" else f"vec4({name}({given}), 1.0)"
         return [], f"{out}{declared}void main() {{ refdof_result = {value}; }}\n"
     raise ShaderFault("has no main; allowed are main, mainImage, or a function of one vec2 that returns vec3 or vec4")
+
+
+def _is_uniform(bare: str, name: str) -> bool:
+    return re.search(rf"\buniform\b[^;]*\b{name}\b", bare) is not None
 
 
 def _inputs(bare: str) -> tuple[tuple[str, str], ...]:

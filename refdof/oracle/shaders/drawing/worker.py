@@ -56,7 +56,7 @@ def answer_all() -> None:
                 drawer = _drawer(message["language"])
             answer, images = _answer(drawer, message, arrays)
         except ShaderFault as fault:
-            answer, images = {"error": str(fault)}, {}
+            answer, images = {"error": " ".join(str(fault).split())}, {}
         except Exception as error:  # whatever a driver or its wrapper raises
             said = (str(error).strip() or "no reason given").splitlines()[0]
             answer, images = {"error": f"{type(error).__name__}: {said}"}, {}
