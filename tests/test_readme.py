@@ -120,6 +120,8 @@ def test_every_dependency_has_its_reason():
         if cells[1]
     }
     for requirement in wanted:
+        if requirement == "refdof[shaders]":  # another extra, listed itself
+            continue
         assert re.match(r"[\w-]+", requirement).group().lower() in told
         assert re.search(r">=\d", requirement), requirement
 

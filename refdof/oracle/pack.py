@@ -72,7 +72,9 @@ def write_pack(
             write_case(temporary / "cases" / case.name, case, golden_of(case), exr)
         write_json(temporary / "conventions.json", PACK_CONVENTIONS)
         write_plain(temporary / "README.md", guide_of(list(dict.fromkeys(case.method for case in cases))))
-        shutil.copytree(Path(__file__).parent / "schemas", temporary / "schemas")
+        (temporary / "schemas").mkdir()
+        for schema in (Path(__file__).parent / "schemas").glob("*.json"):
+            shutil.copyfile(schema, temporary / "schemas" / schema.name)
         paths = sorted(path.relative_to(temporary).as_posix() for path in temporary.rglob("*") if path.is_file())
         files = {path: sha256_of((temporary / path).read_bytes()) for path in paths}
         manifest = {**about, "goldens": goldens_digest(files), "files": files}
