@@ -13,11 +13,13 @@ from refdof.oracle.shaders import source
 from tests.oracle.shader_cases import (
     CASES,
     CONSTANTS,
+    CORE,
     DEVICE,
     GLSL,
     PORTS,
     REVERSED,
     Kept,
+    core_statuses,
     function_only,
     need,
     varying,
@@ -60,6 +62,14 @@ def outcomes(pack, tmp_path, kept, monkeypatch):
 
 def statuses(outcomes):
     return [outcome.status for outcome in outcomes]
+
+
+@pytest.mark.skipif(not CORE.is_dir(), reason="there is no core pack beside the code")
+def test_the_port_passes_the_core_pack(tmp_path):
+    need("frag", tmp_path)
+    found = core_statuses(PORTS / "glsl" / "singlepass.frag")
+    assert found.pop("singlepass") == {"pass"}
+    assert set().union(*found.values()) <= {"not supported"}
 
 
 def test_the_port_passes_every_case(pack):
