@@ -6,12 +6,13 @@ from pathlib import Path
 import pytest
 
 from refdof import InputError
-from refdof.oracle import write_pack
+from refdof.oracle import check_shader, write_pack
 from refdof.oracle.cases import Case
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.shaders.process import Process
 
-PORTS = Path(__file__).parents[2] / "ports"
+ROOT = Path(__file__).parents[2]
+PORTS, CORE = ROOT / "ports", ROOT / "data" / "packs" / "core"
 GLSL = (PORTS / "glsl" / "singlepass.frag").read_text()
 WGSL = (PORTS / "wgsl" / "singlepass.wgsl").read_text()
 
@@ -106,6 +107,14 @@ class Kept:
     def close(self):
         if self.process is not None:
             self.end()
+
+
+def core_statuses(file):
+    """What comes of the cases of the core pack, by method."""
+    found = {}
+    for outcome in check_shader(file, CORE).outcomes:
+        found.setdefault(outcome.case.partition("_")[0], set()).add(outcome.status)
+    return found
 
 
 def need(suffix, folder):

@@ -8,16 +8,20 @@ from typer.testing import CliRunner
 
 from refdof import InputError
 from refdof.cli import app
+from refdof.methods.singlepass.params import DEPTH_FILTERS
 from refdof.oracle import check_shader
+from refdof.oracle.cases import Case
 from refdof.oracle.shaders import source
 from tests.oracle.shader_cases import (
     CASES,
     CONSTANTS,
+    CORE,
     DEVICE,
     GLSL,
     PORTS,
     REVERSED,
     Kept,
+    core_statuses,
     function_only,
     need,
     varying,
@@ -60,6 +64,14 @@ def outcomes(pack, tmp_path, kept, monkeypatch):
 
 def statuses(outcomes):
     return [outcome.status for outcome in outcomes]
+
+
+@pytest.mark.skipif(not CORE.is_dir(), reason="there is no core pack beside the code")
+def test_the_port_passes_the_core_pack(tmp_path):
+    need("frag", tmp_path)
+    found = core_statuses(PORTS / "glsl" / "singlepass.frag")
+    assert found.pop("singlepass") == {"pass"}
+    assert set().union(*found.values()) <= {"not supported"}
 
 
 def test_the_port_passes_every_case(pack):
@@ -107,6 +119,20 @@ def test_depth_of_other_kinds_has_to_be_named(outcomes, depth, word):
     with pytest.raises(InputError, match=r"^tDepth: may hold depth of several kinds.*cameraNear"):
         outcomes(varying(depth))
     assert statuses(outcomes(varying(depth), f'tDepth = "{word}"')) == CONSTANTS
+
+
+def test_filters_of_depth(tmp_path):
+    """A filter blends what the texture holds: depth itself, or what is linear in its inverse, as a z-buffer."""
+    need("frag", tmp_path)
+    filters = [Case(word, "singlepass", "bar", (24, 18), {"depth_filter": word}) for word in DEPTH_FILTERS]
+    pack = write(tmp_path / "pack", filters)
+    (tmp_path / "planar.frag").write_text(varying())
+    (tmp_path / "device.frag").write_text(varying(DEVICE))
+    (tmp_path / "bindings.toml").write_text('tDepth = "device"')
+    planar = check_shader(tmp_path / "planar.frag", pack).outcomes
+    device = check_shader(tmp_path / "device.frag", pack, tmp_path / "bindings.toml").outcomes
+    assert statuses(planar) == ["pass", "not supported", "pass"]
+    assert statuses(device) == ["pass", "pass", "not supported"]
 
 
 def test_circles_may_be_read_instead_of_made(outcomes):
@@ -288,8 +314,6 @@ def test_a_shader_named_after_another_method_does_not_do_these(outcomes):
 @pytest.mark.skipif("REFDOF_SEEDS" not in os.environ, reason="the published listing is in no repository: REFDOF_SEEDS")
 def test_the_published_listing_as_it_stands(tmp_path):
     from pathlib import Path
-
-    from refdof.oracle.cases import Case
 
     need("frag", tmp_path)
     article = next(Path(os.environ["REFDOF_SEEDS"]).glob("004*")).read_text()

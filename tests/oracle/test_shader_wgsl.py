@@ -5,7 +5,7 @@ import pytest
 from refdof import InputError
 from refdof.oracle import check_shader
 from refdof.oracle.shaders import source
-from tests.oracle.shader_cases import CASES, CONSTANTS, PORTS, WGSL, Kept, need, write
+from tests.oracle.shader_cases import CASES, CONSTANTS, CORE, PORTS, WGSL, Kept, core_statuses, need, write
 from tests.ports.cases import mutated
 
 pytestmark = pytest.mark.gl
@@ -67,6 +67,14 @@ def outcomes(pack, tmp_path, kept, monkeypatch):
 
 def statuses(outcomes):
     return [outcome.status for outcome in outcomes]
+
+
+@pytest.mark.skipif(not CORE.is_dir(), reason="there is no core pack beside the code")
+def test_the_port_passes_the_core_pack(tmp_path):
+    need("wgsl", tmp_path)
+    found = core_statuses(PORTS / "wgsl" / "singlepass.wgsl")
+    assert found.pop("singlepass") == {"pass"}
+    assert set().union(*found.values()) <= {"not supported"}
 
 
 def test_the_port_passes_every_case(pack):
