@@ -393,10 +393,10 @@ for _name, _module in METHODS.items():
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "report", "metrics.flip_worker",
+    "cli", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
-    "image.arrays", "image.atomic", "explain", "explain_cli", "export", "options", "warm", "oracle", "oracle_cli",
+    "image.arrays", "image.atomic", "export", "options", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
@@ -428,18 +428,11 @@ INNER = {
     "refdof.truth.forecast.Forecast",
     "refdof.optics.pixel_samples.LensPointSets",
     "refdof.optics.pixel_samples.mean_nearest_distance",
-    "refdof.methods.cascaded.method.buffers_of",
     "refdof.methods.cascaded.method.layering_of",
-    "refdof.methods.lensblur.method.Prepared",
-    "refdof.methods.lensblur.method.prepare",
-    "refdof.methods.lensblur.method.trace",
-    "refdof.methods.multiview.method.Prepared",
     "refdof.methods.poisson.ties.bounds_of_coded",
     "refdof.methods.singlepass.ties.Start",
     "refdof.methods.singlepass.ties.bounds_from",
     "refdof.methods.multiview.method.cone_width",
-    "refdof.methods.multiview.method.prepare",
-    "refdof.methods.multiview.method.send_rays",
     "refdof.methods.poisson.method.coded_and_small",
     "refdof.metrics.Metric",
     "refdof.image.noise_floor.floor_of_moments",
@@ -468,6 +461,11 @@ INNER = {
     "refdof.view.Triangles",
     "refdof.view.View.booking",
     "refdof.view.View.product",
+}
+INNER |= {
+    "refdof.methods.cascaded.method.buffers_of",
+    *(f"refdof.methods.lensblur.method.{word}" for word in ("Prepared", "prepare", "trace")),
+    *(f"refdof.methods.multiview.method.{word}" for word in ("Prepared", "prepare", "send_rays")),
 }
 INNER |= {f"{module.render.__module__}.{word}" for module in METHODS.values() for word in ("render", "texture_reads")}
 
@@ -512,6 +510,8 @@ def public_names() -> dict[str, Any]:
     """Functions, classes and methods in `__all__` of every module but `INNER_MODULES`, by dotted name."""
     found = {}
     for info in pkgutil.walk_packages(refdof.__path__, "refdof."):
+        if info.name.startswith("refdof.explain."):
+            continue
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue

@@ -1,6 +1,7 @@
 """Pictures: what a single-image method is given, in the place of a view, so that its colours can be changed."""
 
 from dataclasses import dataclass, replace
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,16 @@ def given_pictures(
 def run(
     method: str, given: Pictures | View, params: Any, stages: bool | Stages = False
 ) -> tuple[Float, dict[str, Any]]:
-    """The method's picture (H, W, 3) and its stages."""
+    """The method's picture (H, W, 3) and its stages.
+
+    Pictures are given to `blur`, where it does what is asked for: it has their depth in their own unit.
+    """
+    if isinstance(given, Pictures):
+        module, images = METHODS[method], (given.color, given.depth, given.coc)
+        if not stages:
+            return module.blur(*images, params), {}
+        if "stages" in signature(module.blur).parameters:
+            return tuple(module.blur(*images, params, stages=stages))
     recorder = StageRecorder(stages)
     image = METHODS[method].render(given, params, recorder)
     return image, recorder.stages
