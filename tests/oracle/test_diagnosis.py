@@ -1,6 +1,7 @@
 """Diagnosis: independent wrong ports get their cause named first; right ones none, and nonsense no explanation."""
 
 import json
+import re
 import shlex
 import sys
 
@@ -11,8 +12,18 @@ from refdof import InputError
 from refdof.cli import main
 from refdof.oracle import diagnose, write_pack
 from refdof.oracle.cases import Case
+from refdof.oracle.diagnosis.beyond import in_place as beyond_in_place
+from refdof.oracle.diagnosis.beyond import turned as beyond_turned
 from refdof.oracle.diagnosis.causes import CAUSES, STAGES, cause_of
-from tests.oracle.wrong_ports import WRONG, mixed, port
+from refdof.oracle.diagnosis.image_switches import image_switches
+from refdof.oracle.diagnosis.probes import probe
+from refdof.oracle.diagnosis.search import search
+from refdof.oracle.diagnosis.shots import probed, shots_of, telling
+from refdof.oracle.diagnosis.switches import size_switches
+from refdof.oracle.diagnosis.tap_switches import tap_switches
+from refdof.oracle.files import open_pack
+from refdof.oracle.sources import of_function
+from tests.oracle.wrong_ports import WRONG, in_place, mixed, port, turned
 
 CASES = [
     Case("cards", "singlepass", "cards", (40, 30)),
@@ -44,26 +55,52 @@ def test_a_right_port_has_no_cause(pack):
     assert found.lines()[0].startswith("no difference")
 
 
-@pytest.mark.parametrize("cause", WRONG, ids=lambda cause: cause[0])
+@pytest.mark.parametrize("cause", [("shift", "taps"), ("coc_near_lost", "coc"), ("gamma", "image")], ids=str)
 def test_a_wrong_port_has_its_cause_named_first(pack, cause):
     found = diagnose(WRONG[cause], pack)
     print("\n".join(found.lines()))
     assert (found.key, found.stage) == cause
     assert found.exact > 0.9
     assert len(found.causes) == 1
+    if cause[0] == "shift":
+        assert found.causes[0].sentence == "all reads are shifted by +0.50 px in x and +0.50 px in y"
+    if cause[0] == "gamma":
+        assert "not linear" in "\n".join(found.probes)
 
 
-def test_sentences_have_the_fitted_values(pack):
-    assert (
-        diagnose(WRONG["shift", "taps"], pack).causes[0].sentence.endswith("shifted by +0.50 px in x and +0.50 px in y")
-    )
-    assert "radius 8.8" in diagnose(WRONG["loop_cut", "taps"], pack).causes[0].sentence
+@pytest.mark.parametrize("cause", WRONG, ids=lambda cause: cause[0])
+def test_of_the_values_of_a_cause_one_gives_what_a_wrong_port_gives(pack, cause):
+    """The search with the switches of few keys: quick enough for every cause."""
+    rivals = {"behind_factor", "order_rule", "shift", "channels", "coc_scale", cause[0]}
+    shots, _ = shots_of(open_pack(pack), of_function(WRONG[cause]), None)
+    chosen = telling(shots)
+    switches = [*size_switches(), *tap_switches(chosen[0].right), *image_switches()]
+    few = [
+        switch._replace(values=list(switch.values)[:6] if switch.key != cause[0] else switch.values)
+        for switch in switches
+        if switch.key in rivals
+    ]
+    best = search(chosen, few)[0]
+    assert [step.switch.key for step in best.steps] == [cause[0]]
+    assert best.is_exact
+    assert cause_of(cause[0]).stage == cause[1]
 
 
 def test_two_mistakes_at_once(pack):
     found = diagnose(mixed, pack)
     assert {cause.key for cause in found.causes} == {"behind_factor", "row_order"}
     assert found.exact > 0.9
+
+
+def test_ports_that_no_model_gives(pack):
+    opened = open_pack(pack)
+    for port_of, beyond, other in (
+        (in_place, beyond_in_place, beyond_turned),
+        (turned, beyond_turned, beyond_in_place),
+    ):
+        shots, _ = shots_of(opened, of_function(port_of), "cards")
+        assert beyond(shots) > 0.75
+        assert other(shots) is None
 
 
 def test_nonsense_is_unexplained(pack):
@@ -77,22 +114,25 @@ def test_results_that_no_model_is_needed_for(pack):
     assert diagnose(lambda color, *_: np.full_like(color, 0.5), pack).key == "constant"
 
 
+def probes_of(pack, fault):
+    """The lines of probes, and of those with sums: middle in x and y, spread in x and y, expected and got."""
+    source = of_function(WRONG[fault])
+    opened = open_pack(pack)
+    shots, _ = shots_of(opened, source, "impulses")
+    lines = probe(source, *probed(opened, shots))
+    numbers = [[float(word) for word in re.findall(r"[-+]?\d+\.\d+", line)] for line in lines if "middle" in line]
+    return lines, numbers
+
+
 def test_probes_show_a_shift_and_a_short_loop(pack):
-    lines = diagnose(WRONG["shift", "taps"], pack).probes
-    middles = [line.split("middle is ")[1].split(",")[0] for line in lines if "middle" in line]
-    (expected_x, expected_y), (got_x, got_y) = (
-        [float(word) for word in middle.replace(" px in x and", "").replace(" in y", "").split()] for middle in middles
-    )
-    assert got_x - expected_x == pytest.approx(0.5, abs=0.02)
-    assert got_y - expected_y == pytest.approx(0.5, abs=0.02)
-    short = diagnose(WRONG["loop_cut", "taps"], pack).probes
-    spreads = [float(line.split("spread ")[1].split()[0]) for line in short if "spread" in line]
-    assert spreads[1] < 0.6 * spreads[0]
-
-
-def test_probes_tell_what_is_not_linear(pack):
-    lines = "\n".join(diagnose(WRONG["gamma", "image"], pack).probes)
-    assert "not linear" in lines
+    lines, ((total, *expected), (got_total, *got)) = probes_of(pack, ("shift", "taps"))
+    assert "linear in colour" in lines[1]
+    assert (total, got_total) == (1.0, 1.0)
+    assert np.subtract(got[:2], expected[:2]) == pytest.approx([0.5, 0.5], abs=0.02)
+    _, (expected, got) = probes_of(pack, ("loop_cut", "taps"))
+    # The taps of a disc of radius R spread by R / 2, those of a picture's border less.
+    assert got[3:] == pytest.approx([8.8 / 2, 8.8 / 2], abs=0.1)
+    assert min(expected[3:]) > 9.0
 
 
 def test_the_command(pack, tmp_path, capsys):

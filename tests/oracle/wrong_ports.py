@@ -1,12 +1,11 @@
 """Wrong ports of the single pass, written apart from the emulation of them: all pixels at once, a loop over taps."""
 
-import math
-
 import numpy as np
+from scipy import ndimage
 
 from refdof.methods.singlepass.params import GOLDEN_ANGLE
 
-__all__ = ["WRONG", "port"]
+__all__ = ["WRONG", "in_place", "mixed", "port", "turned"]
 
 
 def smoothstep(low, high, value):
@@ -19,6 +18,7 @@ def port(
     size=lambda coc, largest: np.minimum(np.abs(coc), largest), behind=lambda tap, own, s, s0: tap > own,
     factor=2.0, step=GOLDEN_ANGLE, start=0.0, bound=20.0, y_sign=1.0, shift=0.0, nearest=False, wrap=False,
     rim=smoothstep, mean=lambda total_color, total: total_color / total, first=1.0, aspect=False, scale=0.5,
+    turn=lambda x, y: 0.0,
 ):  # fmt: skip
     """The listing, in float64, with everything that a test has wrong."""
     height, width = depth.shape
@@ -41,8 +41,8 @@ def port(
     own_depth, own_size = texel(depth, x, y), size(texel(coc, x, y), 20.0)
     total_color, total, radius, angle = blended(x, y), first, scale, start
     while radius < bound:
-        px = x + math.cos(angle) * radius
-        py = y + y_sign * math.sin(angle) * radius * (height / width if aspect else 1.0)
+        px = x + np.cos(angle + turn(x, y)) * radius
+        py = y + y_sign * np.sin(angle + turn(x, y)) * radius * (height / width if aspect else 1.0)
         tap_size = size(texel(coc, px, py), 20.0)
         limited = behind(texel(depth, px, py), own_depth, tap_size, own_size)
         reach = np.where(limited, np.minimum(tap_size, factor * own_size), tap_size)
@@ -62,9 +62,44 @@ def after(change):
     return lambda color, depth, coc, params: change(port(color, depth, coc, params)).astype(np.float32)
 
 
+def turned(color, depth, coc, params):
+    """Every pixel starts at another angle."""
+    return port(
+        color, depth, coc, params, turn=lambda x, y: 6.2832 * np.modf(np.sin(12.9898 * x + 78.233 * y) * 43.5)[0]
+    )
+
+
 def mixed(color, depth, coc, params):
     """Two mistakes: half of the limit, and a mirrored spiral."""
     return port(color, depth, coc, params, factor=1.0, y_sign=-1.0)
+
+
+def in_place(color, depth, coc, params):
+    """Every pixel is written into the picture that is read, in rows."""
+    color = color.astype(np.float64)
+    for y, x in np.ndindex(depth.shape):
+        color[y, x] = pixel(color, depth, coc, x, y)
+    return color.astype(np.float32)
+
+
+def pixel(color, depth, coc, x, y):
+    """The listing at one pixel."""
+    height, width = depth.shape
+    radii = [0.5]
+    while radii[-1] < 20.0:
+        radii.append(radii[-1] + 0.5 / radii[-1])
+    radii = np.array(radii[:-1])
+    angles = GOLDEN_ANGLE * np.arange(len(radii))
+    px, py = x + radii * np.cos(angles), y + radii * np.sin(angles)
+    near = np.clip(np.floor(py + 0.5), 0, height - 1).astype(int), np.clip(np.floor(px + 0.5), 0, width - 1).astype(int)
+    size = np.minimum(np.abs(coc), 20.0)
+    reach = np.where(depth[near] > depth[y, x], np.minimum(size[near], 2.0 * size[y, x]), size[near])
+    m = smoothstep(radii - 0.5, radii + 0.5, reach)
+    taps = [ndimage.map_coordinates(color[..., c], [py, px], order=1, mode="nearest") for c in range(3)]
+    mean = color[y, x].copy()
+    for k, tap in enumerate(np.transpose(taps)):
+        mean += m[k] * (tap - mean) / (k + 2)
+    return mean
 
 
 WRONG = {  # (key, stage): a port that has it

@@ -13,7 +13,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from refdof._check import InputError
+from refdof.oracle.diagnosis.beyond import in_place, turned
 from refdof.oracle.diagnosis.causes import NONE, UNEXPLAINED, cause_of
 from refdof.oracle.diagnosis.image_switches import image_switches
 from refdof.oracle.diagnosis.probes import probe
@@ -132,12 +135,16 @@ def diagnose(function: Callable[..., Any], pack: str | os.PathLike[str], case: s
 
 
 def _takes_one(function: Callable[..., Any]) -> bool:
-    """Whether a callable takes a task only: a source."""
-    try:
-        inspect.signature(function).bind(None)
-    except (TypeError, ValueError):
-        return False
-    return True
+    """Whether a callable takes a task, and not color, depth, coc and params: a source."""
+
+    def takes(count: int) -> bool:
+        try:
+            inspect.signature(function).bind(*(None,) * count)
+        except (TypeError, ValueError):
+            return False
+        return True
+
+    return takes(1) and not takes(4)
 
 
 def diagnose_source(
@@ -174,6 +181,9 @@ def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
 def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) -> Diagnosis:
     best, nothing = ranked[0], next(found for found in ranked if not found.steps)
     reproduced = best.is_exact or best.explained >= _ENOUGH
+    beyond = None if best.is_exact else _beyond(shots)
+    if beyond is not None and beyond.explained > best.explained:
+        return replace(beyond, cases=names)
     if not best.steps or not reproduced:
         others = [(_causes(found, shots)[0], found.explained) for found in ranked if found.steps][:_OTHERS]
         if not is_finite(shots):
@@ -190,8 +200,22 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
     return Diagnosis(_causes(best, shots), evidence, best.exact, best.explained, tuple(others), names)
 
 
+def _beyond(shots: Sequence[Shot]) -> Diagnosis | None:
+    """A cause that no single model gives."""
+    share = in_place(shots)
+    if share is not None:
+        return Diagnosis((_named("in_place", {}),), f"gives {share:.1%} of the pixels", share, share)
+    share = turned(shots)
+    if share is not None:
+        said = f"the best angle of each pixel explains {share:.1%} of the error"
+        return Diagnosis((_named("angle_noise", {}),), said, explained=share)
+    return None
+
+
 def _causes(found: Found, shots: Sequence[Shot]) -> tuple[Named, ...]:
-    return tuple(_named(step.switch.key, step.switch.words(shots[0], step.value)) for step in found.steps)
+    """With the numbers of the picture that shows most: with its parameters, what was fitted differs from them."""
+    shot = max(shots, key=lambda shot: float(np.minimum(shot.off, 1e6).mean()))
+    return tuple(_named(step.switch.key, step.switch.words(shot, step.value)) for step in found.steps)
 
 
 def _named(key: str, words: dict[str, Any]) -> Named:

@@ -31,7 +31,7 @@ __all__ = ["emulator", "spiral_of", "tap_shares"]
 _MOST_TAPS = 3000
 
 _SPIRAL = (
-    "rad_scale", "angle_step", "angle_start", "radius_start", "bound", "max_taps", "growth", "row_step", "swapped",
+    "rad_scale", "angle_step", "angle_start", "radius_start", "bound", "max_taps", "growth", "row_step", "axes",
     "scale", "tap_fault",
 )  # fmt: skip
 _COLOR_READS = (
@@ -94,9 +94,9 @@ def _spiral_of(key: tuple[Any, ...]) -> Float:
     model = _model(_SPIRAL, key)
     radii = _radii_of(model.radius_start, model.bound, min(model.max_taps, _MOST_TAPS), model.rad_scale, model.growth)
     angles = model.angle_start + model.angle_step * np.arange(len(radii))
-    across, along = np.cos(angles), np.sin(angles)
-    if model.swapped:
-        across, along = along, across
+    waves = {"c": np.cos(angles), "s": np.sin(angles)}
+    along, across = waves[model.axes[-1]], waves[model.axes[-2]]
+    across = -across if model.axes[0] == "-" else across
     taps = np.stack([across * radii * model.scale[0], model.row_step * along * radii * model.scale[1], radii], axis=-1)
     if model.tap_fault is not None:
         index, times = model.tap_fault
@@ -156,6 +156,9 @@ def _weights(model: Model, radii: Float, seen: Guides) -> Float:
             cover = (reach >= middle).astype(np.float64)
         case "step_low":
             cover = (reach >= middle - 0.5).astype(np.float64)
+        case "from_zero":
+            cover = np.clip(reach / np.maximum(middle, 1e-6), 0.0, 1.0)
+            cover = cover * cover * (3.0 - 2.0 * cover)
         case _:
             cover = np.clip((reach - middle) / model.rim_width + 0.5, 0.0, 1.0)
             if model.rim_shape == "smoothstep":
@@ -173,8 +176,8 @@ def _weights(model: Model, radii: Float, seen: Guides) -> Float:
 
 
 def _sizes(model: Model, circle: Float) -> Float:
-    if model.keep != "both":
-        circle = np.maximum(circle if model.keep == "far" else -circle, 0.0)
+    if model.near_scale != 1.0 or model.far_scale != 1.0:
+        circle = circle * np.where(circle < 0.0, model.near_scale, model.far_scale)
     return np.maximum(np.minimum(np.abs(circle) * model.coc_scale, model.size_cap), model.size_floor)
 
 

@@ -81,6 +81,13 @@ def _decoded(samples: Samples, model: Model) -> Float:
             return near * far / np.maximum(far - depth / far * (far - near), 1e-30)
         case "radial":
             return depth * np.sqrt(1.0 + model.radial**2 * samples.squared)
+        case "half_float":
+            return np.minimum(depth, 65504.0).astype(np.float16).astype(np.float64)
+        case "half_share":
+            return (depth / far).astype(np.float16).astype(np.float64) * far
+        case "8 bits" | "16 bits":
+            levels = 2.0 ** int(model.depth.split()[0]) - 1.0
+            return np.rint(depth / far * levels) / levels * far
     return depth
 
 

@@ -22,7 +22,8 @@ class Model:
 
     Parameters
     ----------
-    depth : "planar", "reversed", "reversed_from_far", "reversed_device", "inverse", "device", "decoded", "radial"
+    depth : "planar", "reversed", "reversed_from_far", "reversed_device", "inverse", "device", "decoded", "radial",
+        "half_float", "half_share", "8 bits", "16 bits"
         What the port takes for depth. `radial` is the tangent of half of the height, for "radial".
     depth_of_circles : bool
         Whether circles are made of that depth, too; else they are as given.
@@ -35,8 +36,8 @@ class Model:
     focus_factor, focus_add : float
         The port's focus is focus_factor * focus + focus_add * near.
     coc_scale : float
-    keep : "both", "near", "far"
-        Which circles are there.
+    near_scale, far_scale : float
+        Of circles before and behind the focal plane.
     size_cap : float
         Largest size [px]; inf: none.
     size_floor : float
@@ -51,8 +52,8 @@ class Model:
     growth : "over_radius", "constant", "ratio"
     row_step : +1 or -1
         Where the sine points to in the files.
-    swapped : bool
-        Sine and cosine.
+    axes : "cs", "sc", "ss", "cc", "-cs"
+        Cosine or sine of the angle, for x and for y.
     scale : (x, y)
     pixel_size : (width, height) or None
         The size of another picture that uPixelSize is of; 0 and 1 stand for the picture's own width and height.
@@ -64,7 +65,7 @@ class Model:
         One tap, counted from 0, is taken 0 times or twice.
     rim_width, rim_offset : float
         Of the smoothstep [px].
-    rim_shape : "smoothstep", "linear", "step", "step_low"
+    rim_shape : "smoothstep", "linear", "step", "step_low", "from_zero"
     weight_rule : "cover", "all", "inverse", "square", "area"
     initial_total : float
     mean_rule : "mean", "nothing", "sum", "weighted", "next_total", "center"
@@ -93,7 +94,8 @@ class Model:
     focus_factor: float = 1.0
     focus_add: float = 0.0
     coc_scale: float = 1.0
-    keep: str = "both"
+    near_scale: float = 1.0
+    far_scale: float = 1.0
     size_cap: float = 20.0
     size_floor: float = 0.0
     size_rule: str = "tap"
@@ -107,7 +109,7 @@ class Model:
     max_taps: int = 4096
     growth: str = "over_radius"
     row_step: int = 1
-    swapped: bool = False
+    axes: str = "cs"
     scale: Pair = (1.0, 1.0)
     pixel_size: tuple[int, int] | None = None
     shift_color: Pair = _NOWHERE

@@ -20,10 +20,10 @@ from refdof.oracle.diagnosis.switches import Switch
 
 __all__ = ["Found", "Step", "search"]
 
-_PIXELS = 48, 160, 480  # of all pictures: for a first look, for fits, for the ranking
-_SHOTS = 3  # of the first look
+_BENCHES = (2, 40), (4, 120), (8, 480)  # pictures and pixels: for a first look, for fits, for the ranking
 _LOOKED_AT = 24  # switches that pass the first look
-_FITTED = 6  # switches whose numbers are fitted, of each round
+_VALUES = 4  # of each switch, in further rounds
+_FITTED = 5  # switches whose numbers are fitted, of each round
 _BASES = 3  # what a next round begins with
 _ROUNDS = 3  # changes at once
 _CLOSE = 4.0  # tolerances: what is reproduced; pixels at ties are beyond
@@ -100,17 +100,20 @@ class _Bench:
 
 
 def search(shots: Sequence[Shot], switches: Sequence[Switch]) -> list[Found]:
-    """The changes that give best what a port gave, best first; the last one is none at all."""
-    first, few, many = (_Bench(part, n) for part, n in zip((shots[:_SHOTS], shots, shots), _PIXELS, strict=True))
+    """The changes that give best what a port gave, best first; one of them is none at all."""
+    first, few, many = (_Bench(shots[:most], count) for most, count in _BENCHES)
     ranked = bases = [many.found(())]
+    trials = [[Step(switch, value) for value in switch.values] for switch in switches]
     for _ in range(_ROUNDS):
         found: list[Found] = []
         for base in bases:
-            steps = _best_values(few, base.steps, _first_look(first, base.steps, switches))
-            sure = many.found((*base.steps, steps[0]))
-            if not sure.is_exact:
-                steps = [_fitted(few, base.steps, step) for step in steps[:_FITTED]]
-            found += [many.found((*base.steps, step)) for step in steps[:_FITTED]]
+            looked = _first_look(first, base.steps, trials)
+            steps = _best_values(few, base.steps, [group[:2] for group in looked[:_LOOKED_AT]])[:_FITTED]
+            if not many.found((*base.steps, steps[0])).is_exact:
+                steps = [_fitted(few, base.steps, step) for step in steps]
+            found += [many.found((*base.steps, step)) for step in steps]
+            if not base.steps:
+                trials = [group[:_VALUES] for group in looked]
             if any(one.is_exact for one in found):
                 break
         before = ranked[0].score
@@ -126,17 +129,16 @@ def _rank(found: Found) -> float:
     return found.score * (1.0 + _MARGIN * len(found.steps)) + 0.01 * len(found.steps)
 
 
-def _first_look(bench: _Bench, base: tuple[Step, ...], switches: Sequence[Switch]) -> list[list[Step]]:
-    """The two best values of the switches that are best, and not in `base`."""
+def _first_look(bench: _Bench, base: tuple[Step, ...], trials: list[list[Step]]) -> list[list[Step]]:
+    """The values of each switch that is not in `base`, best first; and the switches, too."""
     used = {step.switch.key for step in base}
     best: list[tuple[float, int, list[Step]]] = []
-    for number, switch in enumerate(switches):
-        if switch.key not in used:
-            steps = [Step(switch, value) for value in switch.values]
+    for number, steps in enumerate(trials):
+        if steps[0].switch.key not in used:
             scores = [bench.score((*base, step)) for step in steps]
-            ranked = [steps[k] for k in np.argsort(scores, kind="stable")[:2]]
+            ranked = [steps[k] for k in np.argsort(scores, kind="stable")]
             best.append((min(scores), number, ranked))
-    return [steps for _, _, steps in sorted(best, key=lambda entry: entry[:2])[:_LOOKED_AT]]
+    return [steps for _, _, steps in sorted(best, key=lambda entry: entry[:2])]
 
 
 def _best_values(bench: _Bench, base: tuple[Step, ...], groups: list[list[Step]]) -> list[Step]:

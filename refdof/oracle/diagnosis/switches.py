@@ -61,7 +61,7 @@ def size_switches() -> list[Switch]:
 
 
 def _circles() -> list[Switch]:
-    factors = (2.0, 0.5, 4.0, 0.25, 1.5, 0.75, 0.1, 10.0)
+    factors = (2.0, 0.5, 4.0, 0.25, 1.5, 0.75, 0.1, 10.0, 0.05)
 
     def words(shot: Shot, value: float) -> dict[str, Any]:
         said = {2.0: ": diameters are taken for radii", 0.5: ": radii are taken for diameters"}
@@ -80,11 +80,18 @@ def _circles() -> list[Switch]:
         return {"value": shot.focus * value, "expected": shot.focus}
 
     slopes = (1.0, 2.0, 0.5, 0.25, 0.1, 0.03, 4.0, 10.0)
+
+    def one_side(name: str, side: str) -> Switch:
+        said = f" {side} the focal plane"
+        return Switch("coc_scale", setting(name), factors, lambda s, v: {"value": v, "words": said}, fits=True)
+
     return [
         Switch("coc_scale", scaled, factors, words, fits=True),
+        one_side("near_scale", "before"),
+        one_side("far_scale", "behind"),
         Switch("coc_scale", scaled_after, factors, words, fits=True),
-        Switch("coc_near_lost", setting("keep"), ["far"]),
-        Switch("coc_far_lost", setting("keep"), ["near"]),
+        Switch("coc_near_lost", setting("near_scale"), [0.0]),
+        Switch("coc_far_lost", setting("far_scale"), [0.0]),
         Switch("coc_unclamped", setting("size_cap"), [math.inf]),
         Switch("coc_linear", law("linear"), slopes, fits=True),
         Switch("coc_linear", law("linear_far"), slopes, fits=True),
@@ -111,6 +118,8 @@ def _depths() -> list[Switch]:
         change = setting(*names)
         return lambda model, value: replace(change(model, value), depth_of_circles=circles)
 
+    rounded = {"half_float": "half floats", "half_share": "half floats of depth / far"}
+    rounded.update({"8 bits": "8 bits of depth / far", "16 bits": "16 bits of depth / far"})
     reversed_as = ("reversed", "reversed_from_far", "reversed_device", "inverse")
     tangents = (0.3, 0.4142, 0.5, 0.57735, 0.7, 1.0)
     return [
@@ -123,6 +132,7 @@ def _depths() -> list[Switch]:
         Switch("depth_scale_tap", scaled(tap, False), ratios, scale),
         Switch("depth_scale_center", scaled(center, True), ratios, scale, fits=True),
         Switch("depth_scale_center", scaled(center, False), ratios, scale),
+        Switch("depth_quantized", setting("depth"), tuple(rounded), lambda s, v: {"words": rounded[v]}),
         Switch("depth_flipped", setting("depth_flip"), ("y", "x"), lambda s, v: {"words": f"in {v}"}),
     ]
 
@@ -170,6 +180,7 @@ def _limits() -> list[Switch]:
 
 def _weights() -> list[Switch]:
     shapes = {"linear": "linear", "step": "a step at the radius", "step_low": "a step half a pixel before the radius"}
+    shapes["from_zero"] = "a smoothstep from 0 to the radius"
     rules = {
         "all": "fully, whether its disc reaches or not",
         "inverse": "where its disc does not reach",

@@ -41,7 +41,13 @@ def _spiral(right: Model) -> list[Switch]:
         words = ": it is advanced first" if value == shot.right.angle_step else ""
         return {"value": value, "expected": shot.right.angle_start, "words": words}
 
-    starts = (step, -step, *(k * math.pi / 4 for k in range(-3, 5) if k))
+    starts = (step, *(k * math.pi / 4 for k in range(-3, 5) if k))
+    axes = {
+        "sc": "sine and cosine instead of cosine and sine: the spiral is transposed",
+        "ss": "the sine in x and in y: taps lie on a line",
+        "cc": "the cosine in x and in y: taps lie on a line",
+        "-cs": "mirrored left to right",
+    }
     growth = {"constant": "RAD_SCALE", "ratio": "itself"}
     radii = (advanced, 2.0 * first, 0.01, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
     rad_scale = expecting("rad_scale")
@@ -54,7 +60,7 @@ def _spiral(right: Model) -> list[Switch]:
         Switch("radius_growth", setting("growth"), tuple(growth), lambda s, v: {"words": growth[v]}),
         Switch("row_order", lambda model, value: replace(model, row_step=value * model.row_step), [-1]),
         Switch("row_order", setting("row_step"), [1, -1]),
-        Switch("axes_swapped", setting("swapped"), [True]),
+        Switch("axes_swapped", setting("axes"), tuple(axes), lambda s, v: {"words": axes[v]}),
     ]
 
 
@@ -71,7 +77,7 @@ def _angles(step: float) -> list[float]:
         found.append("".join(swapped))
     found += [f"{step:.{k}f}" for k in range(1, 8)]
     others = (
-        GOLDEN_ANGLE, 137.508, 137.5, 1.618033989, 0.618033989, 2.618033989, 3.883222077, math.pi / 2, math.pi / 4, 1.0,
+        GOLDEN_ANGLE, 137.508, 137.5, 1.618033989, 0.618033989, 2.618033989, math.pi / 2, math.pi / 4, 1.0,
     )  # fmt: skip
     return [*dict.fromkeys(float(text) for text in found if float(text) != step), *others]
 
@@ -84,6 +90,10 @@ def _loop(right: Model) -> list[Switch]:
         all_taps = len(spiral_of(shot.right))
         return {"value": more[-1, 2], "expected": shot.right.bound, "count": value, "counts": all_taps}
 
+    def bound(shot: Shot, value: float) -> dict[str, Any]:
+        all_taps, taps = (len(spiral_of(model)) for model in (shot.right, replace(shot.right, bound=value)))
+        return {"value": value, "expected": shot.right.bound, "count": taps, "counts": all_taps}
+
     few = sorted({int(count * k / 24) for k in range(1, 24)} | {1, 4, 8, 16, 32, 64, 100, 128, 200, 256, 300})
     fewer = [k for k in few if 0 < k < count] + [count - 2, count - 1]
     more = [count + 1, count + 2, *(int(count * k / 8) for k in range(9, 17)), 3 * count, 4 * count]
@@ -94,6 +104,7 @@ def _loop(right: Model) -> list[Switch]:
     return [
         Switch("loop_cut", setting("max_taps"), fewer, ends, fits=True, whole=True),
         Switch("loop_long", longer, more, ends, fits=True, whole=True),
+        Switch("loop_long", setting("bound"), [1.1 * right.bound, 2.0 * right.bound, 20.0, 30.0, 40.0], bound),
         _faulty_tap(0, "missing"),
         _faulty_tap(2, "taken twice"),
     ]
