@@ -1,4 +1,5 @@
-"""The command line: `refdof scenes | methods | render | export | compare | warm`, and those of `refdof.oracle_cli`.
+"""The command line: `refdof scenes | methods | render | export | compare | warm`, and those of
+`refdof.oracle_cli` and `refdof.explain_cli`.
 
 stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
 names the argument, what it got and what is allowed.
@@ -21,6 +22,7 @@ from refdof._check import InputError, as_choice
 from refdof.compare import compare as compare_scene
 from refdof.compare import warming_up
 from refdof.comparison import Comparison
+from refdof.explain_cli import add_explain
 from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
 from refdof.image.atomic import check_folder
@@ -251,6 +253,7 @@ def warm() -> None:
 
 
 add_commands(app)
+add_explain(app)
 
 
 def main() -> None:

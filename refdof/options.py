@@ -31,6 +31,7 @@ __all__ = [
     "Threads",
     "Tolerance",
     "listed",
+    "pixel_of",
     "scene_camera_lens",
     "set_threads",
     "setting",
@@ -84,11 +85,16 @@ Probes = Annotated[
 
 def stages_of(steps: str | None, pixels: list[str] | None) -> Stages:
     """The stages that options ask for."""
-    places = None if pixels is None else tuple(_whole("pixel", text) for text in pixels)
-    for text, place in zip(pixels or [], places or (), strict=True):
-        if len(place) != 2:
-            raise InputError(f"pixel: got {text!r}; allowed is X,Y")
-    return Stages(None if steps is None else _whole("steps", steps), places)  # type: ignore[arg-type]
+    places = None if pixels is None else tuple(pixel_of(text) for text in pixels)
+    return Stages(None if steps is None else _whole("steps", steps), places)
+
+
+def pixel_of(text: str) -> tuple[int, int]:
+    """'X,Y' as a column and a row."""
+    place = _whole("pixel", text)
+    if len(place) != 2:
+        raise InputError(f"pixel: got {text!r}; allowed is X,Y")
+    return place[0], place[1]
 
 
 def _whole(name: str, text: str) -> tuple[int, ...]:

@@ -1,7 +1,7 @@
 """Overview: every method beside the reference in one figure, with two crops and the error each.
 
-The only file that imports matplotlib. Each cell shows, from top to bottom: name and scores, the picture, two
-crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
+The only file of the report that imports matplotlib. Each cell shows, from top to bottom: name and scores, the picture,
+two crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
 display image; under the reference four times its standard error. Methods are broken into bands of at most
 five, each of which begins with the reference.
 """

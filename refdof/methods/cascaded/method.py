@@ -81,7 +81,7 @@ from refdof.raster.filters.n_buffer import n_buffer
 from refdof.stages import StageRecorder
 from refdof.view import View
 
-__all__ = ["METHOD", "Params", "blur_buffers", "layering_of", "render"]
+__all__ = ["METHOD", "Params", "blur_buffers", "buffers_of", "layering_of", "render"]
 
 
 _FILTERS = {"gaussian": gaussian_blur, "box": box_blur, "pyramid": pyramid_blur}
@@ -162,6 +162,11 @@ METHOD = Method(
 
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
+    return _blend(*buffers_of(view, params), view.camera, view.lens, params, recorder)
+
+
+def buffers_of(view: View, params: Params = Params()) -> tuple[Float, Float]:
+    """What `blur_buffers` is given of a view: color (M, H, W, 3) float32 and depth (M, H, W), NaN for no surface."""
     layers = view.layers(None if isinstance(params.buffers, str) else params.buffers)
     color, depth, empty = layers.color, layers.depth, layers.triangle < 0
     if params.buffers == "all" and not empty[-1].all():  # room for the background of the deepest pixel
@@ -171,8 +176,7 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
         )
     depth = np.where(empty, np.inf, depth)
     depth[1:][empty[:-1]] = np.nan  # the background is there once
-    color = np.where(empty[..., None], np.asarray(view.scene.background, dtype=np.float32), color)
-    return _blend(color, depth, view.camera, view.lens, params, recorder)
+    return np.where(empty[..., None], np.asarray(view.scene.background, dtype=np.float32), color), depth
 
 
 def blur_buffers(

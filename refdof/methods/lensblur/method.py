@@ -36,21 +36,22 @@ References
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
-from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, new_stack, trace_layers
+from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, Traced, new_stack, trace_layers
 from refdof.optics.lens_samples import PATTERNS
-from refdof.optics.pixel_samples import JITTERS, lens_point_sets
+from refdof.optics.pixel_samples import JITTERS, LensPointSets, lens_point_sets
 from refdof.raster.rays.exact_layers import Layers
 from refdof.raster.rays.gbuffer import gbuffer_of
+from refdof.raster.rays.surfaces import Surfaces
 from refdof.stages import StageRecorder
 from refdof.view import View
 
-__all__ = ["METHOD", "Params", "render"]
+__all__ = ["METHOD", "Params", "Prepared", "prepare", "render", "trace"]
 
 
 PEELS = {"plain": 0, "umbra": 1, "extended": 2}  # extent of the blocker [px]
@@ -141,9 +142,37 @@ METHOD = Method(
 
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
-    pinhole = view.pinhole().color
     if view.lens.radius == 0.0:
-        return pinhole
+        return view.pinhole().color
+    scene = prepare(view, params)
+    traced = trace(view, scene)
+    extent, stack = PEELS[params.peel], scene.stack
+    recorder.record("parallax", lambda: _parallax_of_layers(view, scene.layers))
+    recorder.record("layer_count", lambda: view.surface_counts(extent))
+    recorder.record("lowest", lambda: stack.lowest)
+    recorder.record("highest", lambda: stack.highest)
+    recorder.record("points", lambda: scene.pattern.points)
+    recorder.record("set", lambda: scene.pattern.set)
+    recorder.record("near", lambda: traced.near)
+    recorder.record("far", lambda: traced.far)
+    recorder.record("steps", lambda: traced.steps)
+    recorder.record("missed", lambda: traced.missed)
+    return traced.image
+
+
+class Prepared(NamedTuple):
+    """What rays are traced through and how: values (N, H, W, 3 or 13) are the layers' colours or attributes."""
+
+    layers: Layers
+    stack: Stack
+    values: Float
+    surfaces: Surfaces
+    pattern: LensPointSets
+    choices: Choices
+
+
+def prepare(view: View, params: Params) -> Prepared:
+    """Steps 1 and 2, and the lens points."""
     extent, count = PEELS[params.peel], params.layers or None
     layers = view.umbra_layers(count, extent) if extent else view.layers(count)
     name = f"{params.peel} {params.layers}"
@@ -157,27 +186,23 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     footprint = params.footprint
     if footprint == "closed" and np.hypot(*pattern.points.T).max() > 1.0 + 1e-12:  # but for roundings
         footprint = "rays"
-    traced = trace_layers(
-        stack,
-        values,
-        view.surfaces(),
+    choices = Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear")
+    return Prepared(layers, stack, values, view.surfaces(), pattern, choices)
+
+
+def trace(view: View, scene: Prepared) -> Traced:
+    """Steps 3 to 5."""
+    focus = float(_parallax(view, view.lens.focus_distance))
+    return trace_layers(
+        scene.stack,
+        scene.values,
+        scene.surfaces,
         view.projection(),
-        float(_parallax(view, view.lens.focus_distance)),
-        pattern,
-        pinhole,
-        Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear"),
+        focus,
+        scene.pattern,
+        view.pinhole().color,
+        scene.choices,
     )
-    recorder.record("parallax", lambda: _parallax_of_layers(view, layers))
-    recorder.record("layer_count", lambda: view.surface_counts(extent))
-    recorder.record("lowest", lambda: stack.lowest)
-    recorder.record("highest", lambda: stack.highest)
-    recorder.record("points", lambda: pattern.points)
-    recorder.record("set", lambda: pattern.set)
-    recorder.record("near", lambda: traced.near)
-    recorder.record("far", lambda: traced.far)
-    recorder.record("steps", lambda: traced.steps)
-    recorder.record("missed", lambda: traced.missed)
-    return traced.image
 
 
 def _stack(view: View, layers: Layers, params: Params) -> Stack:

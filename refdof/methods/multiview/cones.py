@@ -27,6 +27,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.image.bilinear import bilinear
 from refdof.methods.multiview.coverage import coverage_mipmaps
+from refdof.methods.multiview.decomposition import Decomposition, copies
 from refdof.methods.multiview.fields import Fields, Ray, Search, borrow_fields, visit
 from refdof.methods.multiview.gather import light_of, pinhole_light, ray_tangents, shared_of
 from refdof.methods.multiview.height_field import next_hit
@@ -34,7 +35,7 @@ from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 
-__all__ = ["FOOTPRINT", "MipChain", "gather_cones", "mip_chain"]
+__all__ = ["FOOTPRINT", "MipChain", "chain_of", "gather_cones", "mip_chain"]
 
 _ROWS_PER_TASK = 8
 FOOTPRINT = 6.0  # How far beside a cone's middle the mip levels that it reads reach, at most [its diameter]
@@ -52,6 +53,18 @@ class MipChain(NamedTuple):
     texels: Float
     level: Index
     closed: Float
+
+
+def chain_of(surface: Float, layers: Decomposition, widening: float, wall_px: float) -> MipChain:
+    """Mip levels of layers' colours or attributes, as far as cones need them."""
+    widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
+    reach = None if wall_px == np.inf else wall_px * _skirt(widening, layers)
+    return mip_chain(surface, layers.coc, copies(layers), widest, reach)
+
+
+def _skirt(widening: float, layers: Decomposition) -> Float:
+    """How far [px] cones read beside a hit: the diagonal of a texel, or two diameters; (K,)."""
+    return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
 
 
 def mip_chain(surface: Float, coc: Float, copied: Index, widest: float, reach: Float | None = None) -> MipChain:

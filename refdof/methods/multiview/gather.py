@@ -16,6 +16,7 @@ from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection, pixel_ray
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
+from refdof.stages import StageRecorder
 
 __all__ = [
     "Hits",
@@ -25,6 +26,7 @@ __all__ = [
     "light_of",
     "pinhole_light",
     "ray_tangents",
+    "record_rays",
     "shared_of",
     "trace_hits",
 ]
@@ -111,6 +113,18 @@ def culled_layers(fields: Fields, search: Search) -> Any:
     out = np.ones(fields.coc.shape, dtype=np.bool_)
     run_tasks(lambda first: _cull_rows(fields, search, first, out), range(0, fields.coc.shape[1], _ROWS_PER_TASK))
     return out
+
+
+def record_rays(recorder: StageRecorder, fields: Fields, pattern: LensPointSets, search: Search) -> None:
+    """Record what early culling skips and what every ray hits."""
+    if not recorder.on:
+        return
+    recorder.record("culled", lambda: culled_layers(fields, search))
+    hits = trace_hits(fields, pattern, search)
+    recorder.record("hit_layer", lambda: hits.layer)
+    recorder.record("hit_texel", lambda: hits.texel)
+    recorder.record("hit_coc", lambda: hits.coc)
+    recorder.record("ambiguous", lambda: hits.ambiguous)
 
 
 @tile_kernel

@@ -60,16 +60,16 @@ References
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_integer, as_number
 from refdof.methods._contract import Method
-from refdof.methods.multiview.cones import FOOTPRINT, gather_cones, mip_chain
-from refdof.methods.multiview.decomposition import Decomposition, Sources, copies, decompose
+from refdof.methods.multiview.cones import FOOTPRINT, MipChain, chain_of, gather_cones
+from refdof.methods.multiview.decomposition import Decomposition, Sources, decompose
 from refdof.methods.multiview.fields import Fields, Search, fields_of
-from refdof.methods.multiview.gather import culled_layers, gather, trace_hits
+from refdof.methods.multiview.gather import gather, record_rays
 from refdof.optics.lens_samples import PATTERNS, lens_samples
 from refdof.optics.pixel_samples import JITTERS, LensPointSets, lens_point_sets, mean_nearest_distance
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, gbuffer_of
@@ -79,7 +79,7 @@ from refdof.view import View
 
 __all__ = [
     "CONES", "LEAST_SPACING", "METHOD", "OFFSCREEN", "SEARCHES", "SPACING", "SPACING_HEIGHT", "STARTS", "Params",
-    "cone_width", "render",
+    "Prepared", "cone_width", "prepare", "render", "send_rays",
 ]  # fmt: skip
 
 
@@ -206,6 +206,24 @@ METHOD = Method(
 
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
+    return send_rays(view, prepare(view, params, recorder))
+
+
+class Prepared(NamedTuple):
+    """What rays are sent through and how: colours or attributes of layers (K, H, W, 3 or 13), or a chain for cones."""
+
+    layers: Decomposition
+    surface: Float
+    chain: MipChain | None
+    pattern: LensPointSets
+    widening: float
+    fields: Fields
+    search: Search
+    background: Any
+
+
+def prepare(view: View, params: Params, recorder: StageRecorder) -> Prepared:
+    """Steps 1 to 3."""
     layers = _decomposition(view, params, recorder)
     surface = _surface(view, layers, params)
     recorder.record("layer_surface", lambda: surface)
@@ -226,17 +244,20 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
         bool(params.culling),
         params.offscreen == "discard",
     )
-    _record_rays(recorder, fields, pattern, search)
-    rays = pattern, search, view.projection(), view.surfaces(), view.scene.background
-    if params.cones == "none":
-        return gather(fields, surface, *rays)
-    widest = widening * float(np.abs([layers.near, layers.far]).max(initial=0.0))
-    reach = None if params.wall_px == np.inf else params.wall_px * _skirt(widening, layers)
-    chain = mip_chain(surface, layers.coc, copies(layers), widest, reach)
-    recorder.record("mip_texels", lambda: chain.texels)
-    recorder.record("mip_closed", lambda: chain.closed)
-    recorder.record("mip_levels", lambda: chain.level)
-    return gather_cones(fields, chain, widening, *rays)
+    record_rays(recorder, fields, pattern, search)
+    chain: MipChain | None = None
+    if params.cones != "none":
+        chain = made = chain_of(surface, layers, widening, params.wall_px)
+        recorder.record_all(lambda: {"mip_texels": made.texels, "mip_closed": made.closed, "mip_levels": made.level})
+    return Prepared(layers, surface, chain, pattern, widening, fields, search, view.scene.background)
+
+
+def send_rays(view: View, scene: Prepared) -> Float:
+    """Steps 4 to 6: (H, W, 3) float32."""
+    rays = scene.pattern, scene.search, view.projection(), view.surfaces(), scene.background
+    if scene.chain is None:
+        return gather(scene.fields, scene.surface, *rays)
+    return gather_cones(scene.fields, scene.chain, scene.widening, *rays)
 
 
 def cone_width(view: View, params: Params) -> float:
@@ -244,11 +265,6 @@ def cone_width(view: View, params: Params) -> float:
     pattern = "halton" if params.jitter == "halton" else params.pattern
     points, _ = lens_samples(params.samples, pattern, params.seed, view.lens.aperture)
     return mean_nearest_distance(points) * (0.5 if params.cones == "paper" else 1.0)
-
-
-def _skirt(widening: float, layers: Decomposition) -> Float:
-    """How far [px] cones read beside a hit: the diagonal of a texel, or two diameters; (K,)."""
-    return np.maximum(1.5, 2.0 * widening * np.maximum(np.abs(layers.near), np.abs(layers.far)))
 
 
 def _decomposition(view: View, params: Params, recorder: StageRecorder) -> Decomposition:
@@ -296,15 +312,3 @@ def _surface(view: View, layers: Decomposition, params: Params) -> Float:
         f"multiview {make.__name__} {_choice(view, params)}",
         lambda: make(view.surfaces(), view.projection(), layers.triangle),
     )
-
-
-def _record_rays(recorder: StageRecorder, fields: Fields, pattern: LensPointSets, search: Search) -> None:
-    """Record what early culling skips and what every ray hits."""
-    if not recorder.on:
-        return
-    recorder.record("culled", lambda: culled_layers(fields, search))
-    hits = trace_hits(fields, pattern, search)
-    recorder.record("hit_layer", lambda: hits.layer)
-    recorder.record("hit_texel", lambda: hits.texel)
-    recorder.record("hit_coc", lambda: hits.coc)
-    recorder.record("ambiguous", lambda: hits.ambiguous)
