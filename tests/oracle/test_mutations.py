@@ -10,13 +10,13 @@ from refdof.oracle.diagnosis.causes import STAGES, cause_of
 from tests.oracle.mutations import ROWS, VARIANTS
 from tests.oracle.mutations.needs import need_all
 from tests.oracle.mutations.row import text_of
-from tests.oracle.mutations.runs import Bench
+from tests.oracle.mutations.runs import Bench, write_small_pack
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
     need_all(tmp_path_factory.mktemp("plain"))
-    opened = Bench()
+    opened = Bench(write_small_pack(tmp_path_factory.mktemp("mutations") / "pack"))
     yield opened
     opened.close()
 

@@ -1,17 +1,17 @@
 """Runs of wrong and right ports: a small pack, programs of changed texts, and the check of what they make.
 
-1. Write a pack of small cases                    `Bench`
+1. Write a pack of small cases                    `write_small_pack`
 2. Make a source of results of a changed text     `Bench.source_of`
 3. Check what it makes, and have it explained     `Bench.result_of`, `results_of`
 """
 
+import os
 import subprocess
 import tempfile
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from tests.gl.shader import open_context
 from tests.oracle.mutations.row import TEXTS, Row
 from tests.oracle.mutations.table import Result
 
-__all__ = ["CASES", "Bench", "results_of"]
+__all__ = ["CASES", "Bench", "results_of", "write_small_pack"]
 
 _UP = {"row_order": "up"}
 
@@ -46,15 +46,20 @@ CASES = [
 TIMEOUT_S = 20.0
 
 
-class Bench:
-    """A small pack, and an OpenGL context that draws; `close` removes what it has written."""
+def write_small_pack(folder: Path) -> Path:
+    """Write a pack of `CASES`."""
+    with mock.patch("refdof.oracle.pack.cases_of", return_value=CASES):
+        write_pack(folder)
+    return folder
 
-    def __init__(self) -> None:
+
+class Bench:
+    """A folder for programs, and an OpenGL context that draws; `close` ends both."""
+
+    def __init__(self, pack: Path) -> None:
         self._context = open_context()
         self._folder = tempfile.TemporaryDirectory(prefix="refdof-")
-        self.pack = Path(self._folder.name) / "pack"
-        with mock.patch("refdof.oracle.pack.cases_of", return_value=CASES):
-            write_pack(self.pack)
+        self._pack = pack
 
     def close(self) -> None:
         """Remove the folder and the context."""
@@ -82,7 +87,7 @@ class Bench:
     def report_of(self, port: str, text: str) -> Report:
         """The check of a port with this text."""
         with self.source_of(port, text) as source:
-            return check_source(source, self.pack)
+            return check_source(source, self._pack)
 
     def status_of(self, row: Row) -> str:
         """The worst status of a wrong port."""
@@ -90,12 +95,12 @@ class Bench:
 
     def result_of(self, row: Row) -> Result:
         """The check of a wrong port, and what is named as its cause."""
-        began = time.perf_counter()
+        began = _cpu_seconds()
         with self.source_of(row.port, row.text) as source:
-            status = _worst(check_source(source, self.pack))
-            named = diagnose(source, self.pack).causes[0] if status == "fail" else None
+            status = _worst(check_source(source, self._pack))
+            named = diagnose(source, self._pack).causes[0] if status == "fail" else None
         stage, cause = (named.stage, named.key) if named else ("", "")
-        return Result(row, status, stage, cause, time.perf_counter() - began)
+        return Result(row, status, stage, cause, _cpu_seconds() - began)
 
     def _built(self, text: str) -> Path:
         """Compile a C port."""
@@ -108,18 +113,25 @@ class Bench:
 
 def results_of(rows: Sequence[Row]) -> Iterator[Result]:
     """`Bench.result_of` of rows, in their order, by as many processes as there are processors."""
-    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-        yield from pool.map(_result_of, rows)
+    with tempfile.TemporaryDirectory(prefix="refdof-") as folder:
+        pack = write_small_pack(Path(folder) / "pack")
+        with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+            yield from pool.map(partial(_result_of, pack), rows)
 
 
 @cache
-def _bench() -> Bench:
+def _bench(pack: Path) -> Bench:
     """This process's own; its folder goes when the process ends."""
-    return Bench()
+    return Bench(pack)
 
 
-def _result_of(row: Row) -> Result:
-    return _bench().result_of(row)
+def _result_of(pack: Path, row: Row) -> Result:
+    return _bench(pack).result_of(row)
+
+
+def _cpu_seconds() -> float:
+    """Of this process and those that it has waited for."""
+    return sum(os.times()[:4])
 
 
 def _worst(report: Report) -> str:

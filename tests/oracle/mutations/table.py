@@ -18,7 +18,7 @@ class Result(NamedTuple):
     status: str
     stage: str
     cause: str
-    seconds: float
+    seconds: float  # of a processor
 
     @property
     def caught(self) -> bool:
@@ -63,7 +63,7 @@ def summary(results: list[Result]) -> str:
 
 def table(results: list[Result]) -> str:
     """The table in Markdown."""
-    lines = ["| port | fault | check | stage | named cause | right? | s |", "|---|---|---|---|---|---|---|"]
+    lines = ["| port | fault | check | stage | named cause | right? | CPU s |", "|---|---|---|---|---|---|---|"]
     for result in results:
         row = result.row
         cells = (
