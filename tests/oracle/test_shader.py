@@ -223,6 +223,7 @@ def test_a_value_in_the_shader_stays(outcomes):
         ('tDepth = "__import__(1)"', "bindings: tDepth: got .*allowed are numbers"),
         ('tDepth = "far"', "bindings: tDepth: got 'far'; allowed is a picture"),
         ('tDepth = { value = "depth", filter = "cubic" }', "bindings: tDepth: filter"),
+        ('tDepth = "color, depth, coc"', "bindings: tDepth: got 5 channels; allowed are 4"),
         ('texelSize = "far"', "bindings: texelSize: got 1 numbers; allowed are 2"),
         ('texelSize = "coc"', "bindings: texelSize: got 'coc'; allowed are the names angle_start"),
     ],

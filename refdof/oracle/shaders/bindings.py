@@ -74,7 +74,7 @@ class Plan(NamedTuple):
             elif not self.slots[name].has_default:
                 raise NotSupported(f"{name}: the case has no {', '.join(sorted(missing))}")
         everything = {**case.numbers, **case.pictures}
-        textures = {name: _picture(evaluate(one.tree, everything), case) for name, one in self.textures.items()}
+        textures = {name: _picture(name, evaluate(one.tree, everything), case) for name, one in self.textures.items()}
         filters = {name: one.filter or filter_of(name, one.tree, case) for name, one in self.textures.items()}
         for name, meaning in self.samplers.items():
             filters[name] = meaning if isinstance(meaning, str) else _shared(name, meaning, filters)
@@ -123,8 +123,10 @@ def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str])
             if bound is not None:
                 plan.uniforms[name] = bound
     for name, slot in slots.items():
-        if slot.kind == "sampler":
-            plan.samplers[name] = given[name].text if name in given else _sampler(slot, plan)
+        if slot.kind == "sampler" and name in given:
+            plan.samplers[name] = as_choice(f"bindings: {name}", given[name].text, FILTERS)
+        elif slot.kind == "sampler":
+            plan.samplers[name] = _sampler(slot, plan)
     for name in plan.textures:
         if not names_in(plan.textures[name].tree) & set(PICTURES):
             raise InputError(f"bindings: {name}: got {plan.textures[name].text!r}; allowed is a picture")
@@ -228,10 +230,12 @@ def _numbers(slot: Slot, binding: Binding, numbers: Mapping[str, float]) -> list
     return parts
 
 
-def _picture(value: Any, case: CaseValues) -> Float:
-    """(H, W, C) float32."""
+def _picture(name: str, value: Any, case: CaseValues) -> Float:
+    """(H, W, C) float32, C up to 4."""
     planes = [np.atleast_3d(part) for part in (value if isinstance(value, tuple) else (value,))]
+    if sum(plane.shape[2] for plane in planes) > 4:
+        raise InputError(f"bindings: {name}: got {sum(plane.shape[2] for plane in planes)} channels; allowed are 4")
     shape = case.pictures["depth"].shape
     planes = [np.broadcast_to(plane, (*shape, plane.shape[2])) for plane in planes]
     with np.errstate(over="ignore"):
-        return np.concatenate(planes, axis=2)[:, :, :4].astype(np.float32)
+        return np.concatenate(planes, axis=2).astype(np.float32)

@@ -95,15 +95,14 @@ class ShaderSource:
         method = _method_of(task)
         if method != self._method:
             raise NotSupported(f"{self._name} is taken for {self._method}, by its name; this is {method}")
-        mirrored = False
-        case = case_values(task, mirrored)
+        case = case_values(task, mirrored=False)
         keys = {*case.numbers, *(key for key, value in task.params.items() if not isinstance(value, str))}
         if self._plan is None:
             self._plan = plan_of(self._slots, self._given, keys)
         owned = self._plan.parameters()
         _check_parameters(task, method, owned)
-        if case.numbers.get("row_step", 1.0) < 0.0 and "row_step" not in owned:
-            mirrored = True
+        mirrored = case.numbers.get("row_step", 1.0) < 0.0 and "row_step" not in owned
+        if mirrored:
             case = case_values(task, mirrored)
         draw = self._plan.values(case)
         height, width = case.pictures["depth"].shape
@@ -112,13 +111,13 @@ class ShaderSource:
         return {"image": image[::-1] if mirrored else image}
 
     def _draw(self, message: dict[str, Any], textures: Mapping[str, Float]) -> Float:
-        if self._process is None:
-            self._start()
-        assert self._process is not None
         try:
+            if self._process is None:
+                self._start()
+            assert self._process is not None
             message = {**message, "seconds": self._timeout}
             answer, images = self._process.ask(message, self._timeout, textures)
-        except Ended as reason:
+        except (Ended, InputError) as reason:  # it compiled before, but a machine may be too busy to do so again
             self.close()
             raise FileFault(str(reason)) from None
         if "error" in answer:
