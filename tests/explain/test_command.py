@@ -14,8 +14,6 @@ from refdof.methods import singlepass
 from refdof.oracle import write_pack
 from refdof.oracle.cases import Case
 
-pytestmark = pytest.mark.fast
-
 CASES = [
     Case("cards", "singlepass", "cards", (24, 18), {"max_blur_size": 8.0}),
     Case("cards_up", "singlepass", "cards", (24, 18), {"max_blur_size": 8.0, "row_order": "up"}, "up"),

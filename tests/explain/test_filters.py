@@ -12,8 +12,6 @@ from refdof.explain.impulses import weights_of
 from refdof.explain.pictures import given_pictures
 from refdof.oracle.inputs import cards, noise
 
-pytestmark = pytest.mark.fast
-
 WIDTH, HEIGHT = 16, 12
 PIXELS = [(0, 0), (7, 5), (15, 11), (9, 6)]  # corners, and both sides of the cards' edges
 FILTERS = [name for name, module in METHODS.items() if module.METHOD.kind == "single image"]
@@ -40,6 +38,7 @@ def flat(coc, depth=2.0, width=9, height=9):
     return color, np.full((height, width), depth, np.float32), np.full((height, width), coc, np.float32)
 
 
+@pytest.mark.fast
 def test_every_method_has_an_explanation():
     assert set(EXPLAINERS) == set(METHODS)
 
@@ -108,11 +107,13 @@ def test_mipmap_texels_add_up_to_the_pixel():
         np.testing.assert_allclose(total(texels.columns, texels.rows), found.value, rtol=0, atol=1e-6)
 
 
+@pytest.mark.fast
 def test_a_geometric_blend_is_refused():
     with pytest.raises(InputError, match=r"^blend: got 'geometric'"):
         explained("mipmap", cards(WIDTH, HEIGHT), (0, 0), {"blend": "geometric"})
 
 
+@pytest.mark.fast
 def test_impulses_recover_any_weights():
     weights = np.random.default_rng(1).random((3, 5, 7)) * (np.random.default_rng(2).random((3, 5, 7)) < 0.2)
     calls = []

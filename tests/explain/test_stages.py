@@ -10,8 +10,6 @@ from refdof.methods import singlepass
 from refdof.oracle.inputs import cards
 from refdof.stages import Stages
 
-pytestmark = pytest.mark.fast
-
 PICTURE = cards(16, 12)
 
 
@@ -19,6 +17,7 @@ def explained(method, stage, pixel=(7, 5)):
     return explain_pictures(method, given_pictures(*PICTURE), METHODS[method].Params(), pixel, stage)
 
 
+@pytest.mark.fast
 def test_circles_are_explained_by_the_thin_lens():
     found = explained("poisson", "coc")
     made = PICTURE.coc_scale * (1 / PICTURE.focus - 1 / float(PICTURE.depth[5, 7]))
