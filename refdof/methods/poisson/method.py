@@ -28,6 +28,8 @@ References
    IEEE Transactions on Visualization and Computer Graphics 15(3).
 """
 
+from typing import Any
+
 import numpy as np
 
 from refdof._check import Float, as_instance
@@ -130,7 +132,7 @@ def _units(small: float, taps: int = len(TAPS)) -> float:
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     coded, small = coded_and_small(color, depth, coc, params)
     taps, reach = params.table.astype(color.dtype), params.small_radius * params.small_size
-    largest = color.dtype.type(params.max_radius)
+    largest: Any = color.dtype.type(params.max_radius)
     recorder.record("coc", lambda: coc)
     recorder.record("code", lambda: coded[..., 3])
     recorder.record("small", lambda: small)
