@@ -44,6 +44,7 @@ def write_case(folder: Path, case: Case, golden: Golden, exr: bool = False) -> N
     stages = {name: _write_expected(folder, name, one) for name, one in expected.items() if name != "image"}
     params = plain(asdict(golden.params))
     numbers = module_of(case.method).numbers(golden.params, case.rows)
+    capabilities = _capabilities(case, golden.params)
     about = {
         "schema": CASE_SCHEMA,
         "name": case.name,
@@ -59,8 +60,8 @@ def write_case(folder: Path, case: Case, golden: Golden, exr: bool = False) -> N
         "inputs": inputs,
         "device_depth": _device_depths(folder, picture, planes, params.get("max_blur_size", np.inf)),
         "expected": {"image": image, "stages": stages},
-        "tags": [case.method, case.input, *case.tags],
-        "capabilities": _capabilities(case, golden.params),
+        "tags": list(dict.fromkeys([case.method, case.input, *case.tags, *capabilities])),
+        "capabilities": capabilities,
     }
     write_json(folder / "case.json", about)
     lines = {
@@ -141,8 +142,12 @@ def _write_expected(folder: Path, name: str, one: Expected, exr: bool = False) -
     if one.ambiguity.any():
         entry["ambiguity"] = parts["ambiguity"]
         _save(folder / parts["ambiguity"], one.ambiguity)
-    share = float(f"{one.ambiguity.mean():.4g}")
-    return {**entry, "ambiguous_share": share, "meaning": one.meaning, "tolerance": _limits(one.tolerance)}
+    wide = one.high.astype(np.float64) - one.low > one.tolerance.max_abs
+    tied = one.ambiguity & wide.reshape(*one.ambiguity.shape, -1).any(axis=-1)
+    shares = {
+        f"{word}_share": float(f"{part.mean():.4g}") for word, part in (("ambiguous", one.ambiguity), ("wide", tied))
+    }
+    return {**entry, **shares, "meaning": one.meaning, "tolerance": _limits(one.tolerance)}
 
 
 def _limits(tolerance: Tolerance) -> dict[str, Any]:

@@ -49,8 +49,8 @@ else but stages under their names in `case.json`, such as `mean_16.f32`. A statu
     refdof check --pack PACK --impl "./port --case {case} --out {out}"
     refdof check --pack PACK --results DIR        # DIR/CASE/image.f32, made elsewhere
 
-`capabilities` in `case.json` are the parameters that a case changes, and what else it needs: a port with constants of
-its own does not support cases that change them.
+`capabilities` in `case.json` are the parameters that a case changes, and what else it needs; they are among its tags. A
+port with constants of its own does not support cases that change them.
 
 ## Rows
 
@@ -74,7 +74,8 @@ that decodes device depth cannot be held to the case.
 
 A tap that lies exactly on a border of texels may read either. A value passes if it is within low .. high, and the
 tolerance beyond; `image` is one picture between them, and where no bounds are given both are the picture itself.
-`ambiguous_share` in `case.json` is the share of pixels with bounds apart. NaN never passes.
+In `case.json`, `ambiguous_share` is the share of pixels with bounds apart, and `wide_share` that of pixels with bounds
+apart by more than the tolerance. NaN never passes.
 
 ## Circles
 

@@ -166,11 +166,13 @@ def test_what_a_case_says(few, tmp_path):
     write_pack(tmp_path / "pack", exr=True)
     said = about(tmp_path / "pack", "cards")
     assert set(said["expected"]["stages"]) == {"coc", "size", "limit", "mean_1", "mean_4"}
-    assert 0.0 < said["expected"]["image"]["ambiguous_share"] < 0.6
+    image = said["expected"]["image"]
+    assert 0.0 < image["wide_share"] <= image["ambiguous_share"] < 0.6
     assert said["notes"].startswith("A near, a sharp and a far card")
     assert "32 families" in said["origin"]
     assert said["device_depth"]["depth_device"]["enough"] is True
     assert about(tmp_path / "pack", "noise_up")["capabilities"] == ["max_taps"]
+    assert about(tmp_path / "pack", "noise_up")["tags"] == ["singlepass", "noise", "max_taps"]
     assert about(tmp_path / "pack", "noise_mirrored")["capabilities"] == ["mirrored_spiral"]
     lines = dict(line.split() for line in (tmp_path / "pack/cases/noise_up/params.txt").read_text().splitlines())
     assert lines["row_step"] == "1"

@@ -28,8 +28,6 @@ References
    IEEE Transactions on Visualization and Computer Graphics 15(3).
 """
 
-from typing import Any
-
 import numpy as np
 
 from refdof._check import Float, as_instance
@@ -132,10 +130,9 @@ def _units(small: float, taps: int = len(TAPS)) -> float:
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     coded, small = coded_and_small(color, depth, coc, params)
     taps, reach = params.table.astype(color.dtype), params.small_radius * params.small_size
-    largest: Any = color.dtype.type(params.max_radius)
     recorder.record("coc", lambda: coc)
     recorder.record("code", lambda: coded[..., 3])
     recorder.record("small", lambda: small)
     for k in recorder.steps(len(taps)) if recorder.on else ():
-        recorder.record(f"mean {k}", lambda k=k: gather(coded, small, taps[:k], largest, reach))  # type: ignore[misc]
-    return gather(coded, small, taps, largest, reach)
+        recorder.record(f"mean {k}", lambda k=k: gather(coded, small, taps[:k], params.max_radius, reach))  # type: ignore[misc]
+    return gather(coded, small, taps, params.max_radius, reach)

@@ -79,7 +79,7 @@ def bounds_of_coded(coded: Float, small: Float, params: Params, hair: float = 3e
 
 def _taps(coded: Float, small: Float, params: Params, rows: slice) -> _Taps:
     """Every tap of some rows, blended between the two pictures by the blur of the sharp one."""
-    y, x = np.indices(coded.shape[:2], dtype=np.float64)[:, rows] + 0.5
+    y, x = np.indices(coded.shape[:2])[:, rows] + 0.5
     radius = np.abs(2.0 * coded[rows, :, 3] - 1.0) * params.max_radius
     wide = radius * (params.small_radius * params.small_size)
     down, right = (s / c for s, c in zip(small.shape[:2], coded.shape[:2], strict=True))
