@@ -5,7 +5,7 @@ from scipy import ndimage
 
 from refdof.methods.singlepass.params import GOLDEN_ANGLE
 
-__all__ = ["WRONG", "in_place", "mixed", "port", "turned"]
+__all__ = ["WRONG", "in_place", "mixed", "port", "short_and_shifted", "turned"]
 
 
 def smoothstep(low, high, value):
@@ -60,6 +60,10 @@ def wrong(**faults):
 
 def after(change):
     return lambda color, depth, coc, params: change(port(color, depth, coc, params)).astype(np.float32)
+
+
+def short_and_shifted(color, depth, coc, params):
+    return port(color, depth, coc, params, bound=8.8, shift=0.5)
 
 
 def turned(color, depth, coc, params):
