@@ -90,7 +90,7 @@ CAUSES = (
     Cause("color_filter", "taps", "colour is read {words} instead of {expected}"),
     Cause("depth_filter", "taps", "depth is read {words} instead of {expected}"),
     Cause("border", "taps", "beyond the border {words} instead of repeating the edge"),
-    Cause("tap_missing", "taps", "tap {count} of the spiral is {words}"),
+    Cause("tap_missing", "taps", "{words} of the spiral is {what}"),
     Cause("angle_noise", "taps", "the spiral is turned by another angle at every pixel"),
     Cause("in_place", "taps", "the picture is read and written in place: taps read pixels that are blurred already"),
     # Weights of taps.

@@ -32,6 +32,7 @@ from refdof.oracle.sources import Source, of_function
 __all__ = ["Diagnosis", "Named", "diagnose", "diagnose_source"]
 
 _ENOUGH = 0.6  # of the error: less is no explanation
+_SAME = 0.999  # of the error: as good a cause
 _OTHERS = 3
 
 
@@ -87,7 +88,7 @@ class Diagnosis:
     def lines(self) -> list[str]:
         """The sentence, further causes, and the evidence."""
         also = [f"and {cause.sentence}" for cause in self.causes[1:]]
-        near = [f"not as good: {one.sentence} ({share:.0%} of the error)" for one, share in self.others]
+        near = [f"{_beside(share)}: {one.sentence} ({share:.0%} of the error)" for one, share in self.others]
         return [self.causes[0].sentence, *also, f"({self.evidence})", *near, *self.probes]
 
     def as_json(self) -> dict[str, Any]:
@@ -106,6 +107,10 @@ class Diagnosis:
             "cases": list(self.cases),
             "probes": list(self.probes),
         }
+
+
+def _beside(share: float) -> str:
+    return "or" if share >= _SAME else "not as good"
 
 
 def diagnose(function: Callable[..., Any], pack: str | os.PathLike[str], case: str | None = None) -> Diagnosis:

@@ -32,7 +32,7 @@ _MOST_TAPS = 3000
 
 _SPIRAL = (
     "rad_scale", "angle_step", "angle_start", "radius_start", "bound", "max_taps", "growth", "row_step", "axes",
-    "scale", "tap_fault",
+    "scale", "tap_fault", "tap_stride",
 )  # fmt: skip
 _COLOR_READS = (
     *_SPIRAL, "flip", "image_shift", "half", "before", "color_filter", "border_color", "shift_color",
@@ -98,6 +98,7 @@ def _spiral_of(key: tuple[Any, ...]) -> Float:
     along, across = waves[model.axes[-1]], waves[model.axes[-2]]
     across = -across if model.axes[0] == "-" else across
     taps = np.stack([across * radii * model.scale[0], model.row_step * along * radii * model.scale[1], radii], axis=-1)
+    taps = taps[:: model.tap_stride]
     if model.tap_fault is not None:
         index, times = model.tap_fault
         taps = np.repeat(taps, np.where(np.arange(len(taps)) == index, times, 1), axis=0)

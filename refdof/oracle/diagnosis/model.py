@@ -63,6 +63,8 @@ class Model:
     border_color, border_depth : "clamp", "repeat", "mirror", "black"
     tap_fault : (index, times) or None
         One tap, counted from 0, is taken 0 times or twice.
+    tap_stride : int
+        Of the spiral's taps, every so many-th is taken.
     rim_width, rim_offset : float
         Of the smoothstep [px].
     rim_shape : "smoothstep", "linear", "step", "step_low", "from_zero"
@@ -121,6 +123,7 @@ class Model:
     border_color: str = "clamp"
     border_depth: str = "clamp"
     tap_fault: tuple[int, int] | None = None
+    tap_stride: int = 1
     rim_width: float = 1.0
     rim_offset: float = 0.0
     rim_shape: str = "smoothstep"

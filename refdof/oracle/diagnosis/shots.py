@@ -5,11 +5,12 @@
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from refdof.oracle.diagnosis.model import model_of
+from refdof.oracle.diagnosis.model import Model, model_of
 from refdof.oracle.diagnosis.samples import Shot
 from refdof.oracle.files import FileFault, Pack
 from refdof.oracle.sources import NotSupported, Source, Task
@@ -19,7 +20,7 @@ __all__ = ["METHOD", "case_shot", "probed", "shots_of", "telling"]
 METHOD = "singlepass"
 _INPUTS = ("cards", "noise", "hdr", "scene", "bar", "ramp", "impulses", "constant")  # by how much they tell
 _MOST_OF_AN_INPUT, _FAILING, _PASSING = 3, 6, 2
-_MIRRORED = "mirrored_spiral"  # a tag of what many ports rightly do not have
+_EXTREME = "extreme"  # a tag
 _SLOW = 20000  # pixels: of larger pictures, one an input is run
 
 
@@ -33,10 +34,10 @@ def shots_of(pack: Pack, source: Source, case: str | None) -> tuple[list[Shot], 
         except FileFault as fault:
             faults.append(f"{name}: {fault}")
     ours = [name for name, one in about.items() if one.get("method") == METHOD and case in (None, name)]
-    plain = [name for name in ours if case or _is_plain(about[name])]
+    plain = [name for name in ours if case or (_is_plain(about[name]) and not _is_mirrored(about[name]))]
     shots = _run(pack, source, _few(plain, about), about, faults)
     others = [name for name in ours if name not in plain]
-    mirrored = [name for name in others if _MIRRORED in about[name]["tags"]]
+    mirrored = [name for name in others if _is_mirrored(about[name])]
     for names in ([name for name in others if name not in mirrored], mirrored):
         if not any(_fails(shot) for shot in shots):
             shots += _run(pack, source, names, about, faults)
@@ -68,8 +69,22 @@ def telling(shots: list[Shot]) -> list[Shot]:
 
 
 def _is_plain(about: dict[str, Any]) -> bool:
-    """Whether a case needs nothing but the listing: it has no tags but its method and input."""
-    return not set(about.get("tags") or ()) - {about.get("method"), about.get("input")}
+    """Whether a case has the listing's own constants and no input of another range."""
+    right = _right(about)
+    return right is not None and replace(right, row_step=1) == Model() and _EXTREME not in (about.get("tags") or ())
+
+
+def _is_mirrored(about: dict[str, Any]) -> bool:
+    """Whether a case has the spiral that many ports rightly do not have."""
+    right = _right(about)
+    return right is not None and right.row_step == -1
+
+
+def _right(about: dict[str, Any]) -> Model | None:
+    try:
+        return model_of(about["params"], str(about["rows"]))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return None
 
 
 def _fails(shot: Shot) -> bool:

@@ -56,8 +56,11 @@ def expecting(name: str) -> Words:
 
 
 def size_switches() -> list[Switch]:
-    """Mistakes of the stages coc, size and limit, and of weights and means."""
-    return [*_circles(), *_depths(), *_sizes(), *_limits(), *_weights(), *_means()]
+    """Mistakes of the stages coc, size and limit, and of weights and means.
+
+    Of several that give the same, such as no limit and depths that are behind everything, the first is named.
+    """
+    return [*_circles(), *_limits(), *_sizes(), *_weights(), *_means(), *_depths()]
 
 
 def _circles() -> list[Switch]:

@@ -94,6 +94,7 @@ def _loop(right: Model) -> list[Switch]:
         all_taps, taps = (len(spiral_of(model)) for model in (shot.right, replace(shot.right, bound=value)))
         return {"value": value, "expected": shot.right.bound, "count": taps, "counts": all_taps}
 
+    gone = {"what": "missing"}
     few = sorted({int(count * k / 24) for k in range(1, 24)} | {1, 4, 8, 16, 32, 64, 100, 128, 200, 256, 300})
     fewer = [k for k in few if 0 < k < count] + [count - 2, count - 1]
     more = [count + 1, count + 2, *(int(count * k / 8) for k in range(9, 17)), 3 * count, 4 * count]
@@ -107,6 +108,12 @@ def _loop(right: Model) -> list[Switch]:
         Switch("loop_long", setting("bound"), [1.1 * right.bound, 2.0 * right.bound, 20.0, 30.0, 40.0], bound),
         _faulty_tap(0, "missing"),
         _faulty_tap(2, "taken twice"),
+        Switch(
+            "tap_missing",
+            setting("tap_stride"),
+            (2, 3, 4),
+            lambda s, v: {"words": f"every tap but each {v}. one", **gone},
+        ),
     ]
 
 
@@ -114,8 +121,8 @@ def _faulty_tap(times: int, words: str) -> Switch:
     return Switch(
         "tap_missing",
         lambda model, value: replace(model, tap_fault=(value - 1, times)),
-        (1, 2, 3, 4, 6, 8),
-        lambda s, v: {"count": v, "words": words},
+        tuple(range(1, 13)),
+        lambda s, v: {"words": f"tap {v}", "what": words},
     )
 
 
