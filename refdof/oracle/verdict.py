@@ -63,7 +63,8 @@ class Finding:
 
 def judge(values: Float, low: Float, high: Float, tolerance: Tolerance) -> Finding:
     """Compare values (H, W) or (H, W, C) with their bounds, of the same shape."""
-    values, low, high = (part.astype(np.float64) for part in (values, low, high))
+    with np.errstate(invalid="ignore"):  # signalling NaN
+        values, low, high = (part.astype(np.float64) for part in (values, low, high))
     ratio = excess(values, low, high, tolerance)
     bad, awful = ~(ratio <= 1.0), ~(ratio <= tolerance.hard_factor)
     with np.errstate(invalid="ignore", over="ignore"):

@@ -151,7 +151,7 @@ def case_shot(pack: Pack, name: str, about: dict[str, Any]) -> tuple[Task, Shot]
 def _with_results(shot: Shot, pack: Pack, name: str, about: dict[str, Any], got: np.ndarray) -> Shot:
     entry = about["expected"]["image"]
     low, high = (pack.array(name, entry.get(part, entry["npy"]), shot.color.shape) for part in ("low", "high"))
-    got = got.astype(np.float64)
     with np.errstate(invalid="ignore"):
+        got = got.astype(np.float64)
         off = np.maximum(low - got, got - high).max(axis=-1) / shot.tolerance
     return shot._replace(got=got, off=np.maximum(np.nan_to_num(off, nan=np.inf), 0.0))

@@ -35,7 +35,7 @@ _ROWS = (
      "radius += p->rad_scale / radius)", "radius += 0.5f / radius)"),
     ("the spiral is mirrored", "taps", "row_order",
      "v + sinf(angle)", "v - sinf(angle)"),
-    ("sine for cosine", "taps", "unexplained",
+    ("sine for cosine", "taps", "axes_swapped",
      "u + cosf(angle)", "u + sinf(angle)"),
     ("a wrong digit of the golden angle", "taps", "angle_step",
      _STEP, "angle += 2.39966323f;"),

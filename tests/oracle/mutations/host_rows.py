@@ -26,7 +26,7 @@ _ROWS = (
      _COLOR, "texture_of(context, color[::-1], linear=True)"),
     ("colour is decoded from sRGB", "image", "gamma",
      _COLOR, "texture_of(context, color**2.2, linear=True)"),
-    ("depth has 8 bits", "coc", "unexplained",
+    ("depth has 8 bits", "coc", "depth_quantized",
      _STORED, "stored = np.round(depth / far * 255.0) / 255.0"),
     ("a z-buffer is taken as linear", "coc", "depth_device",
      _STORED, f"stored = (1.0 - {_NEAR} / depth) / (1.0 - {_NEAR} / far)"),

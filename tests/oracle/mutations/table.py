@@ -55,9 +55,10 @@ def summary(results: list[Result]) -> str:
     """One line."""
     stage, cause = shares(results)
     caught = sum(result.caught for result in results)
+    honest = sum(result.right_cause and result.cause == "unexplained" for result in results)
     return (
         f"{caught} of {len(results)} wrong ports are caught. Of those that give a picture, {stage:.0%} are blamed on "
-        f"the right stage and {cause:.0%} have the right cause named first."
+        f"the right stage and {cause:.0%} have the right cause named first, {honest} of them rightly as unexplained."
     )
 
 
