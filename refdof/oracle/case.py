@@ -1,12 +1,12 @@
 """Case: one picture, one method, one set of parameters."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from refdof.stages import Stages
 
-__all__ = ["LEVELS", "SIZES", "Case"]
+__all__ = ["LEVELS", "SIZES", "Case", "in_file_order"]
 
 LEVELS = ("core", "full", "extreme")
 SIZES = ((256, 192), (320, 240), (317, 239))
@@ -44,3 +44,8 @@ class Case:
     stages: Stages | None = None
     tags: tuple[str, ...] = ()
     origin: str = ""
+
+
+def in_file_order(params: Any, rows: str) -> Any:
+    """Parameters with which rows as they are stored give the picture as it is stored: a port turns no rows round."""
+    return replace(params, row_order="down" if params.row_order == rows else "up")

@@ -13,6 +13,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof.methods import METHODS
+from refdof.oracle.case import in_file_order
 from refdof.oracle.cases import Case, module_of
 from refdof.oracle.circles import circle_bounds
 from refdof.oracle.inputs import INPUTS, Picture
@@ -69,7 +70,10 @@ class Golden(NamedTuple):
 def golden_of(case: Case) -> Golden:
     """Make a case."""
     module, picture = METHODS[case.method], INPUTS[case.input](*case.size)
-    params = make_params(case.method, dict(case.params))
+    given = make_params(case.method, dict(case.params))
+    params = in_file_order(given, case.rows)
+    if case.rows == "up":
+        picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
     images = tuple(image.astype(np.float64) for image in picture[:3])
     stages: dict[str, Float] = {}
     if case.stages is None:
@@ -82,13 +86,7 @@ def golden_of(case: Case) -> Golden:
         stage = next(stage for stage in module.METHOD.stages if stage.names(name))
         if stage.name in module_of(case.method).STAGES:
             expected[name.replace(" ", "_")] = _expected(case, values, picture, params, stage, name)
-    if case.rows == "up":
-        picture = picture._replace(**{name: getattr(picture, name)[::-1] for name in ("color", "depth", "coc")})
-        expected = {
-            name: one._replace(**{part: getattr(one, part)[::-1] for part in ("values", "low", "high", "ambiguity")})
-            for name, one in expected.items()
-        }
-    return Golden(picture, params, expected)
+    return Golden(picture, given, expected)
 
 
 def _expected(case: Case, values: Float, picture: Picture, params: Any, stage: Stage, name: str = "image") -> Expected:

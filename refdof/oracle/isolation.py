@@ -21,6 +21,7 @@ from refdof.methods.poisson import code_of, shrink
 from refdof.methods.poisson.ties import bounds_of_coded
 from refdof.methods.singlepass import Params
 from refdof.methods.singlepass.ties import Start, bounds_from
+from refdof.oracle.case import in_file_order
 from refdof.oracle.verdict import PASS, Finding
 from refdof.rendering import make_params
 
@@ -52,14 +53,12 @@ def follow(about: Mapping[str, Any], part: str, images: Images, given: Mapping[s
     made = _METHODS.get(about["method"])
     if made is None or not all(np.isfinite(values).all() for values in given.values()):
         return None
-    flip = np.s_[::-1] if about["rows"] == "up" else np.s_[:]
     try:
-        params = make_params(about["method"], dict(about["params"]))
-        color, depth, coc = (image[flip].astype(np.float64) for image in images)
-        found = made(part, (color, depth, coc), params, {key: value[flip] for key, value in given.items()})
+        params = in_file_order(make_params(about["method"], dict(about["params"])), about["rows"])
+        color, depth, coc = (image.astype(np.float64) for image in images)
+        return made(part, (color, depth, coc), params, dict(given))
     except InputError:  # circles that a filter cannot take, or parameters of a later version
         return None
-    return None if found is None else (found[0][flip], found[1][flip])
 
 
 def causes_of(parts: Mapping[str, Finding], isolated: Mapping[str, Finding | None]) -> dict[str, str]:

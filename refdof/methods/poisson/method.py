@@ -79,7 +79,8 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
+    depth = _in_unit_of_planes(params, pinhole.depth, depth_in_range(pinhole.depth))
+    return _blur(pinhole.color, depth, coc, params, recorder)
 
 
 def blur(
@@ -112,7 +113,8 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    image = _blur(*as_images(color, depth, coc), params, recorder)
+    color, scaled, coc = as_images(color, depth, coc)
+    image = _blur(color, _in_unit_of_planes(params, depth, scaled), coc, params, recorder)
     return Staged(image, recorder.stages) if recorder.on else image
 
 
@@ -120,6 +122,12 @@ def coded_and_small(color: Float, depth: Float, coc: Float, params: Params) -> t
     """Validated picture with its code (H, W, 4), and the small one of it (h, w, 4)."""
     coded = joined(color, code_of(depth, coc, params))
     return coded, shrink(coded, params.small_size)
+
+
+def _in_unit_of_planes(params: Params, depth: Float, scaled: Float) -> Float:
+    """Depth for coding: as it was given where planes are, else in a unit in which it fits into float32."""
+    planes = params.near_plane, params.focus_plane, params.far_plane
+    return scaled if planes == (None, None, None) else np.asarray(depth, dtype=np.float64)
 
 
 def _units(small: float, taps: int = len(TAPS)) -> float:

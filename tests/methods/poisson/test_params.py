@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import refdof
 from refdof import InputError, Stages
 from refdof.methods.poisson import TAP_TABLES, Params, blur, bounds, code_of
 from tests.methods import naive_baselines
@@ -213,3 +214,23 @@ def test_bad_values_are_named(values, words):
 def test_bad_hairs_are_named(hair):
     with pytest.raises(InputError, match=r"^hair: got "):
         bounds(*picture(), hair=hair)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_planes_are_in_the_unit_of_depth(dtype):
+    """Depths beyond 1, of a wider type than colour's: by hand, (6 - 4) / (12 - 4) of the way to full blur behind."""
+    depth = np.array([[3.0, 4.0, 6.0, 12.0]])
+    params = Params(near_plane=2.0, focus_plane=4.0, far_plane=12.0)
+    _, stages = blur(np.ones((1, 4, 3), dtype=dtype), depth, np.array([[-1.0, 0.0, 1.0, 2.0]]), params, stages=True)
+    np.testing.assert_allclose(stages["code"], [[0.25, 0.5, 0.625, 1.0]], atol=1e-7)
+
+
+def test_planes_are_in_the_unit_of_a_scene():
+    scene = refdof.load_scene("branches")
+    camera, focus = scene.camera.with_size((24, 18)), scene.lens.focus_distance
+    planes = {"near_plane": 0.5 * focus, "focus_plane": focus, "far_plane": 2.0 * focus}
+    stages = refdof.render("poisson", scene, camera, stages=True, **planes).stages
+    depth = refdof.View(scene, camera, scene.lens).pinhole().depth
+    behind, before = (depth - focus) / focus, (depth - focus) / (0.5 * focus)
+    expected = 0.5 + 0.5 * np.clip(np.where(depth > focus, behind, before), -1.0, 1.0)
+    np.testing.assert_allclose(stages["code"], expected, atol=1e-6)  # float32
