@@ -7,7 +7,8 @@ import pytest
 
 from refdof.oracle import Plan, check_command, write_pack
 from refdof.oracle.cases import Case
-from tests.ports.test_c_port import SOURCE, build, compiler, mutated  # noqa: F401 (a fixture)
+from tests.ports.cases import mutated
+from tests.ports.test_c_port import SOURCE, build, compiler  # noqa: F401 (a fixture)
 
 pytestmark = pytest.mark.fast
 
