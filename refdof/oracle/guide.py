@@ -48,6 +48,11 @@ else but stages under their names in `case.json`, such as `mean_16.f32`. A statu
 
     refdof check --pack PACK --impl "./port --case {case} --out {out}"
     refdof check --pack PACK --results DIR        # DIR/CASE/image.f32, made elsewhere
+    refdof check --pack PACK --shader FILE        # a fragment shader, GLSL or WGSL: refdof draws it
+
+Among results made elsewhere, `not_supported.txt` alone in the folder of a case says so, and why in its first line. With
+`--given STAGE` a program that fails is called once more, with expected stages in `inputs/` and a line `given STAGE` in
+`params.txt` for each: it starts from them. `schemas/` holds JSON Schemas of all JSON files.
 
 `capabilities` in `case.json` are the parameters that a case changes, and what else it needs; they are among its tags. A
 port with constants of its own does not support cases that change them.

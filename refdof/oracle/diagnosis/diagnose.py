@@ -52,7 +52,8 @@ class Diagnosis:
     Attributes
     ----------
     causes : tuple of Named
-        First the one that explains most; one of key "none" or "unexplained" where there is nothing to name.
+        First the one that explains most; one of key "none" or "unexplained" where there is nothing to name. The stage
+        of the latter is that of the known mistake which comes nearest.
     evidence : str
         What the causes explain, in a line.
     exact : float
@@ -193,8 +194,10 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
         others = [(_causes(found, shots)[0], found.explained) for found in ranked if found.steps][:_OTHERS]
         if not is_finite(shots):
             return Diagnosis((_named("not_finite", {}),), "unexplained otherwise", others=tuple(others), cases=names)
-        said = f"the best explains {max(0.0, best.explained):.0%} of the error"
-        return Diagnosis((Named(*UNEXPLAINED),), said, best.exact, best.explained, tuple(others), names)
+        stage = others[0][0].stage if others else ""
+        said = f"the best explains {max(0.0, best.explained):.0%} of the error" + (f": {stage}" if stage else "")
+        unexplained = Named(UNEXPLAINED.key, stage, UNEXPLAINED.sentence)
+        return Diagnosis((unexplained,), said, best.exact, best.explained, tuple(others), names)
     evidence = (
         f"worst error {nothing.worst:.3g} before, {best.worst:.3g} with this change of a right port: "
         f"{best.explained:.1%} of the error, {best.exact:.1%} of the pixels looked at"
