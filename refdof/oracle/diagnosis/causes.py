@@ -41,7 +41,6 @@ CAUSES = (
     Cause("coc_near_lost", "coc", "circles before the focal plane are lost: near objects stay sharp"),
     Cause("coc_far_lost", "coc", "circles behind the focal plane are lost: far objects stay sharp"),
     Cause("coc_sign", "coc", "the sign of circles decides the order, and is flipped"),
-    Cause("coc_unclamped", "coc", "circles are not cut at the largest blur"),
     Cause("coc_linear", "coc", "circles are linear in depth instead of in 1 / depth"),
     Cause("coc_smoothstep", "coc", "circles are a smoothstep of depth instead of linear in 1 / depth"),
     Cause("focus", "coc", "the focal plane is at a depth of {value:.4g} instead of {expected:.4g}"),
@@ -56,6 +55,7 @@ CAUSES = (
     Cause("depth_constant", "coc", "depth is the same everywhere: one size of {value:.4g} px for all pixels"),
     Cause("depth_flipped", "coc", "depth is flipped {words} against colour"),
     # Sizes.
+    Cause("coc_unclamped", "size", "circles are not cut at the largest blur"),
     Cause("max_blur_size", "size", "MAX_BLUR_SIZE is {value:.4g} px instead of {expected:.4g}"),
     Cause("size_cap", "size", "circles are cut at {value:.4g} px instead of {expected:.4g}, the loop is not"),
     Cause("size_rule", "size", "the size that decides is {words} instead of the tap's own"),
