@@ -62,7 +62,9 @@ def _colors() -> list[Switch]:
 
         return change
 
-    said = {"gain": (0.25, 0.5, 0.8, 1.25, 2.0, 4.0), "offset": (-0.5, -0.1, -0.01, 0.01, 0.1, 0.5)}
+    gains = (0.25, 0.5, 0.8, 0.98, 0.995, 1.005, 1.02, 1.25, 2.0, 4.0)
+    offsets = (-0.5, -0.1, -0.01, -0.002, 0.002, 0.01, 0.1, 0.5)
+    said = {"gain": gains, "offset": offsets}
     return [
         Switch("gamma", lambda model, value: _then(model, *_GAMMAS[value]), tuple(_GAMMAS), lambda s, v: {"words": v}),
         Switch("gamma", _after("gamma"), (0.3, 0.4, 0.6, 0.8, 1.2, 1.8, 2.4), _power, fits=True),
