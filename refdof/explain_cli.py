@@ -26,6 +26,7 @@ from refdof.options import (
     set_threads,
     setting,
 )
+from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
 from refdof.view import View
@@ -54,7 +55,10 @@ def explain(
     case: Annotated[
         str, typer.Argument(metavar="CASE", help="Folder of a case in a pack, or a built-in scene or mesh file.")
     ],
-    pixel: Annotated[str, typer.Option("--pixel", metavar="X,Y", help="Column and row; 0,0 is the top left.")],
+    pixel: Annotated[
+        str,
+        typer.Option("--pixel", metavar="X,Y", help="Column and row; 0,0 is the first of the picture or of the files."),
+    ],
     method: Annotated[str | None, typer.Option("--method", help="For a scene: which method.")] = None,
     stage: Annotated[str, typer.Option("--stage", help="A stage of the method instead of its picture.")] = "image",
     out: Annotated[
@@ -112,16 +116,15 @@ def _read_case(folder: Path) -> _Case:
         width, height = (int(side) for side in about["size"])
         shapes = {"color": (height, width, 3), "depth": (height, width), "coc": (height, width)}
         images = [pack.array(folder.name, about["inputs"][name]["npy"], shape) for name, shape in shapes.items()]
-        if about["rows"] == "up":
-            images = [image[::-1] for image in images]
         lens = [None if about.get("lens", {}).get(name) is None else float(about["lens"][name]) for name in _LENS]
-        method, values = str(about["method"]), dict(about["params"])
+        method, values, rows = str(about["method"]), dict(about["params"]), str(about["rows"])
     except FileFault as fault:
         raise InputError(f"case: {folder.name}: {fault}") from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"case: case.json of {folder.name} lacks or garbles {error}") from None
     color, depth, coc = (np.ascontiguousarray(image) for image in images)
-    return _Case(method, make_params(method, values), given_pictures(color, depth, coc, *lens))
+    params = in_file_order(make_params(method, values), rows)  # pixels are counted as `refdof check` counts them
+    return _Case(method, params, given_pictures(color, depth, coc, *lens))
 
 
 def _check_out(folder: Path) -> None:

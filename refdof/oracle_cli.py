@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from refdof._check import InputError
+from refdof._check import InputError, as_number
 from refdof.image.atomic import check_folder, write_text
 from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.oracle import check_source, write_pack
@@ -23,6 +23,8 @@ from refdof.oracle.verdict import FAIL
 from refdof.oracle.waivers import read_waivers
 
 __all__ = ["add_commands"]
+
+_LONGEST_S = 86400.0
 
 Methods = Annotated[
     str | None, typer.Option("--methods", metavar="A,B,C", help="Methods with cases. Default: all that have some.")
@@ -43,7 +45,7 @@ Bindings = Annotated[
     Path | None,
     typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
 ]
-Timeout = Annotated[float, typer.Option("--timeout", help="Of one case [s].")]
+Timeout = Annotated[float, typer.Option("--timeout", help="Of one case, in seconds.")]
 
 
 def add_commands(app: typer.Typer) -> None:
@@ -119,9 +121,7 @@ def check(
         given=() if given is None else tuple(listed(given)),
         waivers=() if waivers is None else read_waivers(waivers),
     )
-    for file in (html_file, json_file, junit_file):
-        if file is not None:
-            check_folder(file.parent)
+    _check_files(html=html_file, json=json_file, junit=junit_file)
 
     def tell(outcome: Outcome, done: int, count: int) -> None:
         print(f"{outcome.status:16}{outcome.case}: {outcome.message} ({outcome.seconds:.1f} s)", flush=True)
@@ -161,6 +161,7 @@ def diagnose(
 
     The exit status is 0 if nothing is.
     """
+    _check_files(json=json_file)
     with _source(results, impl, shader, bindings, timeout) as source:
         found = diagnose_source(source, pack, case, probes=results is None)
     for line in found.lines():
@@ -170,12 +171,27 @@ def diagnose(
     raise typer.Exit(0 if found.key == "none" else 1)
 
 
+def _check_files(**files: Path | None) -> None:
+    """Raise before a long run if a file cannot be written, or two are the same."""
+    seen: dict[Path, str] = {}
+    for name, file in files.items():
+        if file is None:
+            continue
+        if file.exists() and not file.is_file():
+            raise InputError(f"{name}: got {str(file)!r}, which is not a regular file; allowed is the path of a file")
+        check_folder(file.parent, name)
+        if file.resolve() in seen:
+            raise InputError(f"{name}: got {str(file)!r}, as {seen[file.resolve()]} has; allowed is another file")
+        seen[file.resolve()] = name
+
+
 def _source(
     results: Path | None, impl: str | None, shader: Path | None, bindings: Path | None, timeout: float
 ) -> AbstractContextManager[Source]:
     """The one implementation that is given."""
     if sum(given is not None for given in (results, impl, shader)) != 1:
         raise InputError("results, impl, shader: got several or none; allowed is one of them")
+    timeout = as_number("timeout", timeout, above=0.0, maximum=_LONGEST_S)
     if bindings is not None and shader is None:
         raise InputError("bindings: got a file without --shader; allowed is one with a shader")
     if shader is not None:

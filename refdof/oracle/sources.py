@@ -194,7 +194,7 @@ def _read_results(folder: Path, task: Task) -> Mapping[str, Float]:
     if folder.is_symlink() or not folder.is_dir():
         raise FileFault(f"no folder {task.name} among the results")
     found = {}
-    for path in sorted(folder.iterdir()):
+    for path in sorted(path for path in folder.iterdir() if not path.name.startswith(".")):  # as .DS_Store
         if path.suffix not in (".npy", ".f32") or path.stem not in task.shapes:
             names = ", ".join(task.shapes)
             raise FileFault(f"{path.name[:80]}: is no result of this case; they are {names}, .f32 or .npy")

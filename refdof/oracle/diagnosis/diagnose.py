@@ -33,6 +33,8 @@ __all__ = ["Diagnosis", "Named", "diagnose", "diagnose_source"]
 
 _ENOUGH = 0.6  # of the error: less is no explanation
 _SAME = 0.999  # of the error: as good a cause
+_SURE = 0.9  # of the error: less is the nearest known mistake rather than the cause
+_SOMETHING = 0.1
 _OTHERS = 3
 
 
@@ -90,7 +92,8 @@ class Diagnosis:
         """The sentence, further causes, and the evidence."""
         also = [f"and {cause.sentence}" for cause in self.causes[1:]]
         near = [f"{_beside(share)}: {one.sentence} ({share:.0%} of the error)" for one, share in self.others]
-        return [self.causes[0].sentence, *also, f"({self.evidence})", *near, *self.probes]
+        unsure = self.key != UNEXPLAINED.key and 0.0 < self.explained < _SURE
+        return ["most likely: " * unsure + self.causes[0].sentence, *also, f"({self.evidence})", *near, *self.probes]
 
     def as_json(self) -> dict[str, Any]:
         """Plain data, as `refdof diagnose --json` writes it."""
@@ -161,6 +164,8 @@ def diagnose_source(
     if case is not None and case not in opened.cases:
         raise InputError(f"case: got {case!r}; allowed are {', '.join(opened.cases)}")
     shots, faults = shots_of(opened, source, case)
+    if case is not None and not shots and not faults:
+        raise InputError(f"case: got {case!r}; allowed is one of {METHOD} that the port does")
     found = _diagnosis(opened, shots, faults)
     flat = probed(opened, shots) if probes and found.key != NONE.key else None
     return replace(found, probes=tuple(probe(source, *flat))) if flat else found
@@ -172,6 +177,9 @@ def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
         said = f"no case of {METHOD} could be compared" + (f": {faults[0]}" if faults else "")
         return Diagnosis((Named(*UNEXPLAINED),), said)
     failing = [shot for shot in shots if not (shot.off <= 1.0).all()]
+    if not failing and faults:
+        said = f"{len(shots)} cases are right, {len(faults)} could not be compared: {faults[0]}"
+        return Diagnosis((Named(*UNEXPLAINED),), said, cases=names)
     if not failing:
         return Diagnosis((Named(*NONE),), f"{len(shots)} cases compared", 1.0, 1.0, cases=names)
     whole = whole_cause(opened, failing)
@@ -186,12 +194,12 @@ def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
 
 def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) -> Diagnosis:
     best, nothing = ranked[0], next(found for found in ranked if not found.steps)
-    reproduced = best.is_exact or best.explained >= _ENOUGH
+    reproduced = best.explained >= _ENOUGH or (best.is_exact and not nothing.is_exact)
     beyond = None if best.is_exact else _beyond(shots)
     if beyond is not None and beyond.explained > best.explained:
         return replace(beyond, cases=names)
     if not best.steps or not reproduced:
-        others = [(_causes(found, shots)[0], found.explained) for found in ranked if found.steps][:_OTHERS]
+        others = _others([found for found in ranked if found.steps], shots)
         if not is_finite(shots):
             return Diagnosis((_named("not_finite", {}),), "unexplained otherwise", others=tuple(others), cases=names)
         stage = others[0][0].stage if others else ""
@@ -204,8 +212,18 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
     )
     keys = {step.switch.key for step in best.steps}
     rest = [found for found in ranked if len(found.steps) == 1 and found.steps[0].switch.key not in keys]
-    others = [(_causes(found, shots)[0], found.explained) for found in rest if found.explained > 0.1][:_OTHERS]
+    others = _others(rest, shots)
     return Diagnosis(_causes(best, shots), evidence, best.exact, best.explained, tuple(others), names)
+
+
+def _others(ranked: Sequence[Found], shots: Sequence[Shot]) -> list[tuple[Named, float]]:
+    """The best of what explains something, each sentence once."""
+    told: dict[str, tuple[Named, float]] = {}
+    for found in ranked:
+        cause = _causes(found, shots)[0]
+        if found.explained > _SOMETHING:
+            told.setdefault(cause.sentence, (cause, found.explained))
+    return list(told.values())[:_OTHERS]
 
 
 def _beyond(shots: Sequence[Shot]) -> Diagnosis | None:

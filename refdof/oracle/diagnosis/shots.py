@@ -36,6 +36,9 @@ def shots_of(pack: Pack, source: Source, case: str | None) -> tuple[list[Shot], 
     ours = [name for name, one in about.items() if one.get("method") == METHOD and case in (None, name)]
     plain = [name for name in ours if case or (_is_plain(about[name]) and not _is_mirrored(about[name]))]
     shots = _run(pack, source, _few(plain, about), about, faults)
+    if not any(_fails(shot) for shot in shots):
+        few = {shot.name for shot in shots}
+        shots += _run(pack, source, [name for name in plain if name not in few], about, faults)
     others = [name for name in ours if name not in plain]
     mirrored = [name for name in others if _is_mirrored(about[name])]
     for names in ([name for name in others if name not in mirrored], mirrored):
@@ -113,8 +116,10 @@ def _run(
             task, shot = case_shot(pack, name, about[name])
             got = source(task)["image"]
             shots.append(_with_results(shot, pack, name, about[name], got))
-        except (FileFault, NotSupported) as fault:
-            faults.append(f"{name}: {fault or 'not supported'}")
+        except NotSupported:
+            continue
+        except FileFault as fault:
+            faults.append(f"{name}: {fault}")
     return shots
 
 
