@@ -31,10 +31,11 @@ The loop of Gustafsson (2018), "Bokeh Depth of Field in a Single Pass". `size(c)
         angle += angle_step;  radius += rad_scale / radius
     image = color / total
 
-Pixel and taps are places [px]: the pixel is its centre, (x + 0.5, y + 0.5). `scale` is (scale_x, scale_y), 1 in all cases
-of the core pack, as shift_x and shift_y, added to every place, are 0. smoothstep(a, b, s) is t t (3 - 2 t) with
-t = (s - a) / (b - a) cut to 0 .. 1. `loop_bound` is max_blur_size and `radius_start` rad_scale where case.json has null.
-`row_order` is that of the spiral on the screen; a port needs `row_step` only. `max_taps`, where it stands, ends the loop.
+Pixel and taps are places [px]: the pixel is its centre, (x + 0.5, y + 0.5). `scale` is (scale_x, scale_y), 1 in all
+cases of the core pack, as shift_x and shift_y, added to every place, are 0. smoothstep(a, b, s) is t t (3 - 2 t) with
+t = (s - a) / (b - a) cut to 0 .. 1. `loop_bound` is max_blur_size and `radius_start` rad_scale where case.json has
+null. `row_order` is that of the spiral on the screen; a port needs `row_step` only. `max_taps`, where it stands, ends
+the loop.
 
 The spiral turns, so the order of rows matters. `row_step` in `params.txt` is where the sine of a tap's angle points to
 in the files: +1 to later rows, -1 to earlier ones. A texture whose row 0 is texture coordinate 0 has +1: with rows "up"
