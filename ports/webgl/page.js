@@ -76,7 +76,9 @@ function unsupported({params, method}, types) {
         angle_start: 0, angle_step: 2.39996323, radius_start: params.rad_scale, loop_bound: params.max_blur_size,
         scale_x: 1, scale_y: 1, shift_x: 0, shift_y: 0, order: "depth", border: "clamp",
     };
-    const own = ["width", "height", "rows", "row_step", "row_order", "near", "far", "focus", "coc_scale", "precision"];
+    const own = [
+        "method", "width", "height", "rows", "row_step", "row_order", "near", "far", "focus", "coc_scale", "precision",
+    ];
     const bound = key => typeof params[key] === "number" && types.has(uniformOf(key));
     const key = Object.keys(params).find(key => !own.includes(key) && params[key] !== listing[key] && !bound(key));
     const number = typeof params[key] === "number";
