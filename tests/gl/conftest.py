@@ -18,8 +18,7 @@ def context(pytestconfig):
             pytest.fail(f"REFDOF_REQUIRE_GL is set, but there is {missing}", pytrace=False)
         pytest.skip(str(missing))
     pytestconfig.stash[_RENDERER] = f"{opened.info['GL_RENDERER']}, OpenGL {opened.info['GL_VERSION']}"
-    yield opened
-    opened.release()
+    return opened
 
 
 def pytest_terminal_summary(terminalreporter, config):

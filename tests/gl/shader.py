@@ -5,6 +5,7 @@ Row 0 of an array is the row of gl_FragCoord.y = 0.5 and of texture coordinate 0
 
 import os
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import moderngl
@@ -49,8 +50,9 @@ class Pass:
     shape: tuple[int, int, int]
 
 
+@cache
 def open_context() -> moderngl.Context:
-    """A context on llvmpipe, whatever graphics card is there.
+    """The one context of this process on llvmpipe, whatever graphics card is there: another would take its place.
 
     Raises
     ------

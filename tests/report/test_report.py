@@ -59,7 +59,7 @@ def test_json_has_the_promised_structure():
     assert found["scene"] == "fence"
     assert found["camera"]["size"] == [40, 30]
     assert (found["lens"]["radius"], found["lens"]["focus_distance"]) == (0.25, 2.0)
-    assert found["reference"] == {"samples": 1024.0, "seconds": 12.5, "noise_floor_psnr": 55.5}
+    assert found["reference"] == {"samples": 1024.0, "seconds": 12.5, "kept": False, "noise_floor_psnr": 55.5}
     assert found["rows"][1] == {
         "method": "mipmap",
         "preset": "best",

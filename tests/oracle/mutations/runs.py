@@ -54,7 +54,7 @@ def write_small_pack(folder: Path) -> Path:
 
 
 class Bench:
-    """A folder for programs, and an OpenGL context that draws; `close` ends both."""
+    """A folder for programs, and the OpenGL context that draws; `close` removes the folder."""
 
     def __init__(self, pack: Path) -> None:
         self._context = open_context()
@@ -62,9 +62,8 @@ class Bench:
         self._pack = pack
 
     def close(self) -> None:
-        """Remove the folder and the context."""
+        """Remove the folder."""
         self._folder.cleanup()
-        self._context.release()
 
     @contextmanager
     def source_of(self, port: str, text: str) -> Iterator[Source]:
