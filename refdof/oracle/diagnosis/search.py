@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
 
 from refdof._check import Float
 from refdof.oracle.diagnosis.emulate import emulator
@@ -150,6 +149,8 @@ def _best_values(bench: _Bench, base: tuple[Step, ...], groups: list[list[Step]]
 
 def _fitted(bench: _Bench, base: tuple[Step, ...], step: Step) -> Step:
     """The value between its neighbours, or near a pair, that is best; a round one where that is as good."""
+    from scipy.optimize import minimize, minimize_scalar  # slow to import
+
     switch, start = step
     if not switch.fits:
         return step
