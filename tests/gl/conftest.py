@@ -9,8 +9,15 @@ from tests.gl.shader import GLMissing, open_context
 _RENDERER = pytest.StashKey[str]()
 
 
+@pytest.fixture
+def context(opened_context):
+    """Made the current one for each test: a library that looks for devices, such as wgpu, leaves none current."""
+    with opened_context:
+        yield opened_context
+
+
 @pytest.fixture(scope="session")
-def context(pytestconfig):
+def opened_context(pytestconfig):
     try:
         opened = open_context()
     except GLMissing as missing:

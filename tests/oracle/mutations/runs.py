@@ -145,7 +145,8 @@ def _of_host(run: Callable[..., None], shader: str, context: Any) -> Source:
             place = Path(out) / task.name
             place.mkdir()
             try:
-                run(context, shader, task.folder, place)
+                with context:  # another library may have made its own the current one
+                    run(context, shader, task.folder, place)
             except Exception as error:  # whatever a wrong host or shader leads to
                 raise FileFault(f"the host raised {type(error).__name__}: {error}") from None
             return of_folder(Path(out))(task)
