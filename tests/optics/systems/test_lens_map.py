@@ -158,3 +158,19 @@ def test_outside_the_reach_no_light_comes():
 def test_bad_calls(words, start):
     with pytest.raises(InputError, match=f"^{start}"):
         lens_map_of(**{"system": double_gauss(), "camera": CAMERA, "focus_distance": 2.0, **words})
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        ({"lens_map": None}, "lens_map: got NoneType"),
+        ({"places": [[math.nan, 0.0]]}, "places: has 1 NaN"),
+        ({"squares": [[0.5, 1.5]]}, "squares: largest value is 1.5"),
+        ({"squares": [[0.5, 0.5]] * 2}, "squares: got shape"),
+        ({"wavelength": 1}, "wavelength: got 1"),
+    ],
+)
+def test_bad_rays(words, start):
+    lens_map = lens_map_of(double_gauss(), CAMERA, 2.0, wavelengths_um=GREEN)
+    with pytest.raises(InputError, match=f"^{start}"):
+        lens_map_rays(**{"lens_map": lens_map, "places": [[1.0, 1.0]], "squares": [[0.5, 0.5]], **words})
