@@ -393,7 +393,7 @@ for _name, _module in METHODS.items():
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
+    "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
     "image.arrays", "image.atomic", "export", "options", "warm", "oracle", "oracle_cli",
