@@ -137,7 +137,8 @@ def _flanged(arc: Float, rim: float) -> Float:
 
 def _spots(system: LensSystem, distance: float) -> Figure:
     """Where the rays of a point meet the film, for film heights and three wavelengths."""
-    figure = Figure(figsize=(11.0, 3.6), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(11.0, 3.6), dpi=_DPI)
+    figure.subplots_adjust(0.06, 0.12, 0.99, 0.79, wspace=0.3)
     figure.suptitle(f"{system.name}, focused at {_words(distance)}: spots", fontsize=11)
     for axes, height in zip(figure.subplots(1, len(HEIGHTS)), HEIGHTS, strict=True):
         points = {name: 1000.0 * spot(system, height, distance, um) for name, um in RGB_UM.items()}
@@ -189,8 +190,8 @@ def _field_curvature(system: LensSystem, distance: float) -> Figure:
 
 def _plot(title: str) -> tuple[Figure, Any]:
     """A graph over the distance from the film."""
-    figure = Figure(figsize=(5.0, 5.0), dpi=_DPI, layout="constrained")
-    axes = figure.add_subplot()
+    figure = Figure(figsize=(5.0, 5.0), dpi=_DPI)
+    axes = figure.add_axes((0.14, 0.11, 0.82, 0.79))
     axes.axvline(0.0, color=_INK, linewidth=0.8)
     axes.set_xlabel("from the film along the axis [mm]; below 0: in front of it")
     axes.set_title(title, fontsize=10)

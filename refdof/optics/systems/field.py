@@ -88,7 +88,7 @@ def _towards_scene(slope: Float) -> Float:
 def illumination(system: LensSystem, heights: Float, wavelength_um: float = LINE_D) -> FilmLight:
     """Irradiance at film points (N,), of a scene that is equally bright everywhere, over that on the axis.
 
-    A point gets the integral of cos^4 / distance^2 over the part of a plane at the last vertex whose rays pass.
+    A point gets the integral of cos^4 / distance^2 over the part of the exit pupil's plane whose rays pass.
     """
     lights, shapes = [], []
     for height in [0.0, *heights.tolist()]:
@@ -103,11 +103,15 @@ def illumination(system: LensSystem, heights: Float, wavelength_um: float = LINE
 def _light(system: LensSystem, film: Float, wavelength_um: float) -> tuple[float, float]:
     """Light at a film point, in no unit, and the extent of its pupil along y over that along x."""
     last = float(system.vertices[-1])
-    reach = 1.5 * system.surfaces[-1].semi_diameter  # a ray may meet a curved surface inside and its plane outside
-    low, high = np.array([-reach, -reach]), np.array([reach, reach])
+    plane = exit_pupil(system, wavelength_um).z
+    if not plane < 0.5 * (last + system.sensor):  # near the film or behind it
+        plane = last
+    # The last surface, as the film point sees it in the plane: a ray may meet its rim beside its vertex.
+    scale, reach = (film[2] - plane) / (film[2] - last), 1.5 * system.surfaces[-1].semi_diameter
+    low, high = film[:2] + scale * (-reach - film[:2]), film[:2] + scale * (reach - film[:2])
     for count in (_COARSE, _FINE):
         points, cell = _grid(low, high, count)
-        ways = np.column_stack([points, np.full(len(points), last)]) - film
+        ways = np.column_stack([points, np.full(len(points), plane)]) - film
         passed = trace(system, np.broadcast_to(film, ways.shape), ways, wavelength_um, reverse=True).passed
         if not passed.any():
             return 0.0, math.nan

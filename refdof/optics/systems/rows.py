@@ -13,6 +13,7 @@ from refdof.optics.systems.system import LensSystem, Surface
 __all__ = ["MOST_SURFACES", "Material", "Row", "check_count", "glass_from", "system_from"]
 
 MOST_SURFACES = 100  # of a file, as of a `LensSystem`
+_FLAT = 1e12  # [mm] from which a radius is that of a flat surface: over a metre it bends by less than a nanometre
 
 Material: TypeAlias = str | float | tuple[float, float]
 """The name of a glass, its index, or its index and Abbe number."""
@@ -76,7 +77,7 @@ def system_from(file: str, name: str, source: str, rows: Sequence[Row]) -> LensS
 
 def _surface(row: Row) -> Surface:
     diameter = as_number("diameter of the stop" if row.is_stop else "diameter", row.diameter, above=0.0)
-    radius = row.radius if row.radius != 0.0 else math.inf
+    radius = row.radius if 0.0 < abs(row.radius) < _FLAT else math.inf
     return Surface(radius, row.thickness, glass_from(row.material), 0.5 * diameter, row.is_stop)
 
 
