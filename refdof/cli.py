@@ -1,10 +1,12 @@
 """The command line: `refdof scenes | methods | render | export | compare | warm`, and those of
 `refdof.oracle_cli` and `refdof.explain_cli`.
 
+The latter are imported when they are called: they are slow to import.
 stdout carries the result only; progress and errors go to stderr. Exit status: 0 done, 2 bad input, with one line that
 names the argument, what it got and what is allowed.
 """
 
+import gc
 import json
 import shlex
 import sys
@@ -19,14 +21,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from refdof._check import InputError, as_choice
+from refdof.command_group import Commands
 from refdof.compare import compare as compare_scene
 from refdof.compare import warming_up
 from refdof.comparison import Comparison
-from refdof.explain_cli import add_explain
 from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
+from refdof.lens_cli import add_lens
 from refdof.methods import METHODS
 from refdof.methods._contract import facts_of
 from refdof.options import (
@@ -52,7 +55,6 @@ from refdof.options import (
     settings_by_method,
     stages_of,
 )
-from refdof.oracle_cli import add_commands
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
@@ -71,6 +73,7 @@ _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command
 
 app = typer.Typer(
     name="refdof",
+    cls=Commands,
     help="Reference implementation of depth-of-field rendering: references with error bars, exact layers, "
     "and published methods pixel for pixel.",
     no_args_is_help=True,
@@ -252,12 +255,12 @@ def warm() -> None:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
 
 
-add_commands(app)
-add_explain(app)
+add_lens(app)
 
 
 def main() -> None:
     """Run the command line; bad input is one line on stderr and status 2."""
+    gc.freeze()  # what is imported stays to the end: looking for garbage in it takes a tenth of a short run
     try:
         status = app(standalone_mode=False)
     except InputError as error:
@@ -268,6 +271,7 @@ def main() -> None:
         status = _INTERRUPTED
     if status == _INTERRUPTED:
         _fail("interrupted; nothing was written", _INTERRUPTED)
+    gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -28,6 +28,7 @@ from refdof.optics.pixel_samples import lens_point_sets
 from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trace
 from refdof.optics.systems.glass import glass_of
 from refdof.optics.systems.system import ThickLens
+from refdof.optics.systems.prescription import load_lens, save_lens
 from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -201,6 +202,10 @@ DOORS: dict[str, Door] = {
     "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
     "refdof.optics.pixel_samples.lens_point_sets": Door(
         lens_point_sets, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
+    ),
+    "refdof.optics.systems.prescription.load_lens": Door(load_lens, {"name": "biconvex"}, {"name": ("lens",)}),
+    "refdof.optics.systems.prescription.save_lens": Door(
+        save_lens, {"path": "new.toml", "system": load_lens("biconvex")}
     ),
     "refdof.scene.load.load_scene": Door(
         load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
@@ -470,9 +475,11 @@ DOORS |= {
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
+    "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection",
+    "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.lens_toml",
+    "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",

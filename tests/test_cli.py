@@ -30,6 +30,16 @@ def test_scenes_and_methods_list_the_registry():
     assert all(name in refdof("methods").stdout for name in METHODS)
 
 
+def test_only_their_own_commands_import_the_oracle_and_explanations():
+    looks = (
+        "import sys, refdof.cli; print([m for m in sys.modules if m.startswith(('refdof.oracle', 'refdof.explain'))])"
+    )
+    done = subprocess.run([sys.executable, "-c", looks], capture_output=True, text=True, timeout=300)
+    assert done.stdout.strip() == "[]", done.stderr
+    listed = CliRunner().invoke(app, ["--help"]).output
+    assert all(command in listed for command in ("render", "golden", "check", "diagnose", "explain"))
+
+
 def test_compare_writes_everything(tmp_path):
     done = refdof("compare", "branches", *SMALL, "--out", "here", "--set", "accumulation.samples=16", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

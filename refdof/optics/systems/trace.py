@@ -62,7 +62,13 @@ def table_of(
 
 
 def trace(
-    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
+    system: LensSystem,
+    origins: Float,
+    directions: Float,
+    wavelength_um: float,
+    *,
+    reverse: bool = False,
+    rims: bool = True,
 ) -> Traced:
     """Rays through a lens.
 
@@ -77,6 +83,8 @@ def trace(
         Vacuum wavelength [um], 0.3 to 2.5.
     reverse : bool
         Rays come from the sensor and run towards the scene: their directions have z < 0.
+    rims : bool
+        False: only the stop's rim blocks rays.
 
     Raises
     ------
@@ -84,19 +92,26 @@ def trace(
         If shapes disagree, a number is not finite, or a direction is 0.
     """
     origins, directions = _rays(origins, directions)
-    table = table_of(system, wavelength_um, dtype=origins.dtype)
+    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
     return traced(table, as_bool("reverse", reverse), origins, directions)
 
 
 def trace_path(
-    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
+    system: LensSystem,
+    origins: Float,
+    directions: Float,
+    wavelength_um: float,
+    *,
+    reverse: bool = False,
+    rims: bool = True,
 ) -> Float:
     """Where rays meet each surface: (N, S + 1, 3), the origins first; NaN behind where a ray is stopped.
 
     Arguments and errors are those of `trace`.
     """
     origins, directions = _rays(origins, directions)
-    table, reverse = table_of(system, wavelength_um, dtype=origins.dtype), as_bool("reverse", reverse)
+    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
+    reverse = as_bool("reverse", reverse)
     points = [origins]
     for count in range(1, len(system.surfaces) + 1):
         part = slice(-count, None) if reverse else slice(count)
