@@ -17,6 +17,8 @@ from refdof._jit import compilations
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.projection import Projection, projection_of
+from refdof.optics.systems.lens_map import LensMap
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.raster.rays.embree import Tracer, new_tracer
 from refdof.raster.rays.exact_layers import Layers, count_surfaces, exact_layers
 from refdof.raster.rays.surfaces import Surfaces, surfaces_of
@@ -25,7 +27,7 @@ from refdof.scene.scene import Scene
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
-_SHARED = ("surfaces", "tracer", "triangles", "pinhole", "coc")  # by many methods; small beside layers
+_SHARED = ("surfaces", "tracer", "triangles", "lens map", "pinhole", "coc")  # by many methods; small beside layers
 
 
 class Pinhole(NamedTuple):
@@ -102,6 +104,15 @@ class View:
     def projection(self) -> Projection:
         """Camera and lens for kernels."""
         return projection_of(self.camera, self.lens, self.surfaces().exponent)
+
+    def lens_map(self) -> LensMap | None:
+        """The lens system for kernels, in the unit of length of the surfaces; None is a thin lens."""
+
+        def build() -> LensMap | None:
+            lens = self.lens
+            return lens.map_of(self.camera, self.surfaces().exponent) if isinstance(lens, SystemLens) else None
+
+        return self.product("lens map", build)
 
     def pinhole(self) -> Pinhole:
         """Colour and depth through the pixel centres."""

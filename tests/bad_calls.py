@@ -27,8 +27,8 @@ from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
 from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trace
 from refdof.optics.systems.glass import glass_of
-from refdof.optics.systems.system import ThickLens
 from refdof.optics.systems.prescription import load_lens, save_lens
+from refdof.optics.systems.system import ThickLens
 from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster

@@ -28,7 +28,7 @@ from refdof._check import Float, as_choice, as_instance, as_integer
 from refdof.optics.aperture import Aperture
 from refdof.optics.poisson_disc import poisson_disc
 
-__all__ = ["PATTERNS", "lens_samples"]
+__all__ = ["PATTERNS", "lens_samples", "square_points"]
 
 _MAX_COUNT = 1 << 20
 
@@ -70,6 +70,13 @@ def lens_samples(
     else:
         points = aperture.from_square(_SQUARES[pattern](count, rng))
     return points, np.ones(count)
+
+
+def square_points(points: Float) -> Float:
+    """Points (..., 2) of the unit square that the area-preserving map takes to points of the unit disc."""
+    turn = np.arctan2(points[..., 1], points[..., 0]) / (2.0 * np.pi) % 1.0
+    flat = _square_from_polar(np.hypot(points[..., 0], points[..., 1]).ravel(), turn.ravel())
+    return flat.reshape(points.shape)
 
 
 def _sobol(count: int, rng: np.random.Generator) -> Float:

@@ -10,8 +10,9 @@ For 16 pixels and one cell of the lens at a time:
 A packet is fast if its rays meet the same triangles. The replicates of one pixel in one cell do; where there are fewer
 replicates than rays in a packet, so do neighbouring cells of neighbouring pixels. The layout changes no bit.
 
-A ray starts at the lens point (E vx, E vy, 0) and passes its pixel's point on the focal plane; its direction has
-z = -1, so that the ray parameter is the planar depth.
+A thin lens's ray starts at the lens point (E vx, E vy, 0) and passes its pixel's point on the focal plane. A system's
+ray starts where it crosses the plane of the entrance pupil, and has a weight, `refdof.optics.systems.lens_map`. Their
+directions have z = -1, so that the ray parameter is the planar depth.
 """
 
 from typing import Any, NamedTuple
@@ -24,6 +25,7 @@ from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
 from refdof.optics.projection import Projection
+from refdof.optics.systems.lens_map import LensMap, borrow_lens_map, lens_map_ray
 from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
@@ -38,13 +40,18 @@ _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
 
 
 class Aim(NamedTuple):
-    """How rays leave the lens. shared: one pattern for all pixels; box: sample the pixel's area, not its centre."""
+    """How rays leave the lens. shared: one pattern for all pixels; box: sample the pixel's area, not its centre.
+
+    lens_map: of a lens system, and the index of its wavelength; None for a thin lens.
+    """
 
     projection: Projection
     aperture_sampler: ApertureSampler
     seed: np.uint32
     shared: bool
     box: bool
+    lens_map: LensMap | None = None
+    wavelength: int = 0
 
 
 class Traversal(NamedTuple):
@@ -72,13 +79,13 @@ def trace_block(surfaces, traversal, aim, block, pixels, sums):
     group = min(sums.shape[0], LANES)
     cells = _cells_together(len(block.cells), group)
     strands = len(traversal.packets) * LANES // cells
-    rays = np.zeros((4, strands * cells))
+    rays, weights = np.zeros((4, strands * cells)), _new_weights(aim.lens_map, strands * cells)
     tangents = np.zeros((2, strands))
     seeds = np.zeros((4, strands), dtype=np.uint32)
     column_of = np.zeros((1 << block.column_bits, strands), dtype=np.uint32)
     row_of = np.zeros((1 << block.row_bits, strands), dtype=np.uint32)
     totals = np.zeros((strands, 3))
-    work = (rays, tangents, seeds, column_of, row_of, totals)
+    work = (rays, weights, tangents, seeds, column_of, row_of, totals)
     chunk = strands // group
     for first in range(0, len(pixels), chunk):
         for replicate in range(0, len(sums), group):
@@ -108,12 +115,12 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
         borrow_block(block),
     )
     packets, integers = borrow(traversal.packets), borrow(traversal.packets.view(np.int32))
-    projection, pixels = aim.projection, borrow(pixels)
+    projection, lens_map, pixels = aim.projection, _borrow_lens_map(aim.lens_map), borrow(pixels)
     first_packet, stride = traversal.packets.ctypes.data, 4 * ROWS * LANES
     valid, arguments = traversal.query.ctypes.data, traversal.query.ctypes.data + 64
     group, strands = sums.shape[0], sums.shape[0] * sums.shape[1]
-    rays, tangents, seeds = borrow(work[0]), borrow(work[1]), borrow(work[2])
-    column_of, row_of, totals = borrow(work[3]), borrow(work[4]), borrow(work[5])[:strands]
+    rays, weights, tangents, seeds = borrow(work[0]), borrow(work[1]), borrow(work[2]), borrow(work[3])
+    column_of, row_of, totals = borrow(work[4]), borrow(work[5]), borrow(work[6])[:strands]
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
     _start_strands(aim, pixels, group, replicate, tangents, seeds, column_of, row_of)
@@ -128,12 +135,13 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
                 _square_points(block, 2, column_of[column], row_of[row], seeds[2], seeds[3], dx, dy)
             else:
                 dx[:], dy[:] = 0.5, 0.5
-            _on_lens(aperture_sampler, x, y)
-            _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
+            _aim_rays(
+                lens_map, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights[begin:end]
+            )
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
             call_address(traversal.packet, valid, traversal.scene, first_packet + k * stride, arguments)
-        _gather(surfaces, integers, rays, cells, totals)
+        _gather(surfaces, integers, rays, weights, lens_map, cells, totals)
     for p in range(len(pixels)):
         for g in range(group):
             for c in range(3):
@@ -190,6 +198,31 @@ def _square_points(block, axis, columns, rows, seeds_x, seeds_y, x, y):
 
 
 @inline
+def _new_weights(lens_map, count):
+    """Memory for the weights of rays: all rays of a thin lens weigh the same."""
+    return np.zeros(0) if lens_map is None else np.zeros(count)
+
+
+@inline
+def _borrow_lens_map(lens_map):
+    return None if lens_map is None else borrow_lens_map(lens_map)
+
+
+@inline
+def _aim_rays(lens_map, wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights):
+    """Turn square points and places in the pixel into origins and directions, in place, and write the rays' weights."""
+    if lens_map is None:
+        _on_lens(aperture_sampler, x, y)
+        _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
+    else:
+        pixels = projection.pixels_per_tangent
+        for s in range(len(x)):
+            column = 0.5 * projection.width + tangents[0, s] * pixels + dx[s]
+            row = 0.5 * projection.height - tangents[1, s] * pixels + dy[s]
+            x[s], y[s], dx[s], dy[s], weights[s] = lens_map_ray(lens_map, column, row, x[s], y[s], wavelength)
+
+
+@inline
 def _on_lens(aperture_sampler, x, y):
     """Turn square points into lens points, in units of the radius, in place."""
     if is_plain_disc(aperture_sampler):
@@ -235,7 +268,13 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
 
 
 @inline
-def _gather(surfaces, integers, rays, cells, totals):
+def _weight(lens_map, weights, ray):
+    """A ray's weight; a constant for a thin lens, which the compiler takes out."""
+    return 1.0 if lens_map is None else weights[ray]
+
+
+@inline
+def _gather(surfaces, integers, rays, weights, lens_map, cells, totals):
     """Add what every ray sees to totals (strands, 3), cell after cell."""
     strands = len(totals)
     for k in range((strands * cells + LANES - 1) // LANES):
@@ -247,6 +286,9 @@ def _gather(surfaces, integers, rays, cells, totals):
         red, green, blue = totals[s, 0], totals[s, 1], totals[s, 2]
         for c in range(cells):
             k, lane, source = (s * cells + c) // LANES, (s * cells + c) % LANES, c * strands + s
+            weight = _weight(lens_map, weights, source)
+            if weight == 0.0:
+                continue
             if integers[k, _GEOM, lane] == -1:
                 r, g, b = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
             else:
@@ -254,5 +296,5 @@ def _gather(surfaces, integers, rays, cells, totals):
                 ox, oy, dx, dy = rays[0, source], rays[1, source], rays[2, source], rays[3, source]
                 _, u, v = intersect(surfaces.corner, face, ox, oy, 0.0, dx, dy, -1.0)
                 r, g, b = shade(surfaces, face, u, v, dx, dy, -1.0)
-            red, green, blue = red + r, green + g, blue + b
+            red, green, blue = red + weight * r, green + weight * g, blue + weight * b
         totals[s, 0], totals[s, 1], totals[s, 2] = red, green, blue

@@ -56,9 +56,10 @@ class TileSampler:
         self.replicates, self.tolerance = replicates, spend.tolerance
         self.most_points = int(power_of_two(spend.most / replicates))
         self._surfaces, self._tracer = view.surfaces(), view.tracer()
-        self._aim = Aim(
-            view.projection(), aperture_sampler_of(view.lens.aperture), np.uint32(seed), shared_pattern, box
-        )
+        plain = view.projection(), aperture_sampler_of(view.lens.aperture), np.uint32(seed), shared_pattern, box
+        lens_map = view.lens_map()
+        waves = 1 if lens_map is None else len(lens_map.ratios)
+        self._aims = [Aim(*plain, lens_map, wave) for wave in range(waves)]
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:
@@ -96,9 +97,14 @@ class TileSampler:
         sums = np.zeros((self.replicates, len(pixels), 3))
         tracer, query, packets = self._tracer, new_query(coherent=True), new_packets(_PACKETS)
         block = block_of(start, count.bit_length() - 1)
-        trace_block(
-            self._surfaces, Traversal(tracer.scene, tracer.packet, query, packets), self._aim, block, pixels, sums
-        )
+        traversal = Traversal(tracer.scene, tracer.packet, query, packets)
+        if len(self._aims) == 1:
+            trace_block(self._surfaces, traversal, self._aims[0], block, pixels, sums)
+            return sums
+        for channel, aim in enumerate(self._aims):  # each colour at its own wavelength
+            of_channel = np.zeros_like(sums)
+            trace_block(self._surfaces, traversal, aim, block, pixels, of_channel)
+            sums[..., channel] = of_channel[..., channel]
         return sums
 
 

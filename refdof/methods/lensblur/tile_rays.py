@@ -1,6 +1,7 @@
 """Tile rays: the lens rays of a tile of neighbouring pixels, where they can hit, and where they leave the picture.
 
 1. cut the rays of each pixel to the depths at which they can hit     `cut_rays`
+   (rays of a lens system are traced through it here, and kept)
 2. aim one ray of each pixel                                          `aim`
 3. find out where it comes into the picture, if not inside it         `enter`
 4. after the walk, tell whether a ray without a hit is a miss         `is_missed`
@@ -15,27 +16,34 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, Ray, enter_picture
+from refdof.optics.systems.lens_map import lens_map_ray
 
-__all__ = ["aim", "cut_rays", "enter", "is_missed"]
+__all__ = ["aim", "brightness", "cut_rays", "enter", "is_missed", "is_system", "new_system_memory"]
 
 
 @inline
-def cut_rays(stack, shared, points, chosen, left, y, near, far, inside):
+def new_system_memory(lens_map, pixels, rays):
+    """Memory (5, pixels, rays) for what a lens system does with each ray; a thin lens needs none."""
+    return np.empty((5, 0, 0)) if lens_map is None else np.empty((5, pixels, rays))
+
+
+@inline
+def cut_rays(stack, shared, own, points, chosen, left, y, near, far, inside):
     """Where the rays of pixels left .. of row y can hit: near, far (G, count); and whether they stay in the picture.
 
-    Returns whether all of them do.
+    A lens system's rays and weights come to `own` (5, pixels, R). Returns whether all rays stay in the picture.
     """
     packs, focus, top = stack.packs, shared.focus, shared.top
     height, width, scalar = packs.shape[1], packs.shape[2], packs.dtype.type
     rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
     nearest, within = max(top.max(), scalar(0.0)), True
-    reach = _reach(shared.spread, focus, nearest, width, height)
+    reach = np.inf if is_system(shared.lens_map) else _reach(shared.spread, focus, nearest, width, height)
     for k in range(near.shape[1]):
         x, half = left + k, scalar(0.5)
         center = scalar(x) + half, scalar(y) + half, focus
         inside[k] = reach < min(x, y) and x + 1 + reach < width and y + 1 + reach < height
         if shared.stride > 0 or not inside[k]:
-            _aim_thin_lens(points[chosen[k]], center, rays)
+            _aim_all(shared.lens_map, shared, own, k, points[chosen[k]], center, rays)
             inside[k] = _all_inside(rays, nearest, width, height)
             within = within and inside[k]
         for group in range(len(near)):
@@ -58,6 +66,43 @@ def _room(spread, focus, near, width, height):
 
 
 @inline
+def is_system(lens_map):
+    """Whether rays are a lens system's; the compiler knows."""
+    return lens_map is not None
+
+
+@inline
+def _aim_all(lens_map, shared, own, k, lens, center, rays):
+    """Rays (4, R) of one pixel, the k-th of its tile, for lens points (R, 2)."""
+    if lens_map is None:
+        _aim_thin_lens(lens, center, rays)
+    else:
+        _aim_system(lens_map, shared, own, k, lens, center, rays)
+
+
+@inline
+def _aim_system(lens_map, shared, own, k, lens, center, rays):
+    """Rays (4, R) of a lens system for points (R, 2) of the unit square; those that are blocked repeat another."""
+    scalar, projection = rays.dtype.type, shared.projection
+    pixels = projection.pixels_per_tangent
+    middle_x, middle_y = 0.5 * projection.width, 0.5 * projection.height
+    good = -1
+    for n in range(len(lens)):
+        x, y, dx, dy, weight = lens_map_ray(lens_map, center[0], center[1], lens[n, 0], lens[n, 1], shared.wavelength)
+        rays[0, n], rays[1, n] = scalar(middle_x + pixels * dx), scalar(middle_y - pixels * dy)
+        rays[2, n], rays[3, n] = scalar(x / projection.lens_radius), scalar(-y / projection.lens_radius)
+        own[4, k, n] = weight
+        if weight != 0.0:
+            good = n
+    for n in range(len(lens)):
+        if own[4, k, n] == 0.0 and good >= 0:
+            for c in range(4):
+                rays[c, n] = rays[c, good]
+        for c in range(4):
+            own[c, k, n] = rays[c, n]
+
+
+@inline
 def _aim_thin_lens(lens, center, rays):
     """Rays (4, R): through the pixel's centre at u = focus, apart by the lens points (R, 2) per px of parallax."""
     for n in range(len(lens)):
@@ -74,8 +119,27 @@ def _all_inside(rays, near, width, height):
 
 
 @inline
-def aim(focus, points, weights, chosen, n, y, lanes, weight, count):
+def aim(lens_map, own, focus, points, weights, chosen, n, y, lanes, weight, count):
     """The n-th rays of a tile's pixels and their weights, with nothing met so far; rays without weight are missed."""
+    if lens_map is None:
+        _aim_thin_lenses(focus, points, weights, chosen, n, y, lanes, weight, count)
+    else:
+        _aim_systems(own, n, lanes, weight, count)
+
+
+@inline
+def _aim_systems(own, n, lanes, weight, count):
+    scalar = lanes.ax.dtype.type
+    for k in range(count):
+        lanes.ax[k], lanes.ay[k] = scalar(own[0, k, n]), scalar(own[1, k, n])
+        lanes.wx[k], lanes.wy[k] = scalar(own[2, k, n]), scalar(own[3, k, n])
+        weight[k] = own[4, k, n]
+        lanes.border[k] = scalar(np.inf) if weight[k] != 0.0 else scalar(-np.inf)
+        lanes.layer[k], lanes.best[k], lanes.hit_x[k], lanes.hit_y[k] = scalar(-1), scalar(-1), scalar(0), scalar(0)
+
+
+@inline
+def _aim_thin_lenses(focus, points, weights, chosen, n, y, lanes, weight, count):
     scalar = points.dtype.type
     center_y, infinity, nothing = scalar(y) + scalar(0.5), scalar(np.inf), scalar(-1.0)
     for k in range(count):
@@ -86,6 +150,12 @@ def aim(focus, points, weights, chosen, n, y, lanes, weight, count):
         wx, wy = lanes.wx[k], lanes.wy[k]
         lanes.ax[k], lanes.ay[k] = lanes.center[k] - focus * wx, center_y - focus * wy
         lanes.layer[k], lanes.best[k], lanes.hit_x[k], lanes.hit_y[k] = nothing, nothing, scalar(0.0), scalar(0.0)
+
+
+@inline
+def brightness(lens_map, own, k, rays):
+    """The light of a pixel, the k-th of its tile, through all of the lens; 1 for a thin lens."""
+    return 1.0 if lens_map is None else own[4, k].sum() / rays
 
 
 @inline

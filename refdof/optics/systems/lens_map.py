@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, as_integer, as_number
-from refdof._jit import inline, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
 from refdof.optics.camera import Camera
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for
@@ -34,7 +34,7 @@ from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, pu
 from refdof.optics.systems.system import LensSystem
 from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray, traced
 
-__all__ = ["RGB_WAVELENGTHS", "LensMap", "lens_map_of", "lens_map_ray", "lens_map_rays"]
+__all__ = ["RGB_WAVELENGTHS", "LensMap", "borrow_lens_map", "lens_map_of", "lens_map_ray", "lens_map_rays"]
 
 RGB_WAVELENGTHS = (0.650, 0.510, 0.475)  # [um], of red, green and blue, [2]
 
@@ -59,6 +59,15 @@ class LensMap(NamedTuple):
     eye: float  # z of the entrance pupil [mm]
     scale: float  # scene units of a millimetre
     inverse_centre: float  # one over the centre's area times cosine^4 [1 / mm^2]
+
+
+@inline
+def borrow_lens_map(o):
+    """`LensMap` whose arrays are borrowed, for a tile kernel's inner loops."""
+    return LensMap(
+        borrow(o.vertex), borrow(o.curvature), borrow(o.rim), borrow(o.ratios), o.plane, o.sensor, o.reach,
+        borrow(o.boxes), o.width, o.height, o.pitch, o.eye, o.scale, o.inverse_centre,
+    )  # fmt: skip
 
 
 def lens_map_of(

@@ -1,0 +1,89 @@
+"""System lens: a lens system on a camera, focused. To methods that know thin lenses it is the thin lens of its pupil.
+
+The film moves to focus; the camera's eye is the middle of the entrance pupil. Wavelengths of red, green and blue are
+those of [1], and what is said to be in focus is so in yellow, at the d line.
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 4.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from refdof._check import InputError, as_instance, as_number
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
+from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, LensMap, lens_map_of
+from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for, stopped_down
+from refdof.optics.systems.paraxial import f_number as own_f_number
+from refdof.optics.systems.system import LensSystem
+
+__all__ = ["FILM_HEIGHT", "SystemLens"]
+
+FILM_HEIGHT = 24.0  # [mm], of the film that most lenses are made for
+_ROUNDED = 0.03  # makers round f-numbers: a lens named f/2 may be one of f/2.03
+
+
+@dataclass(frozen=True, init=False)
+class SystemLens(ThinLens):
+    """A lens system, focused and stopped down.
+
+    `radius` and `focus_distance` are of the thin lens with the same entrance pupil. Methods that trace rays take the
+    system's own (`reference`, `accumulation`, `lensblur`); all others take the thin lens's circle of confusion.
+
+    Parameters
+    ----------
+    system : LensSystem
+    focus_distance : float
+        From the entrance pupil to what is in focus near the axis [scene units], > 0; ``inf`` is allowed.
+    f_number : float, optional
+        Focal length over the entrance pupil's diameter; the lens's own if left out, or if it rounds to this.
+    mm_per_unit : float
+        How many of the prescription's millimetres a scene unit has: 1000 where the scene is in metres. Another number
+        scales the lens.
+
+    Raises
+    ------
+    InputError
+        If the lens is not as fast as the f-number, cannot focus there, or a number is out of range.
+    """
+
+    system: LensSystem = field(kw_only=True)
+    mm_per_unit: float = field(kw_only=True)
+
+    def __init__(
+        self, system: LensSystem, focus_distance: float, f_number: float | None = None, mm_per_unit: float = 1000.0
+    ) -> None:
+        as_instance("system", system, LensSystem)
+        mm = as_number("mm_per_unit", mm_per_unit, above=0.0)
+        focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
+        if f_number is not None:
+            f_number, widest = as_number("f_number", f_number, above=0.0, maximum=1e4), own_f_number(system)
+            rounded = widest * (1.0 - _ROUNDED) <= f_number < widest
+            system = system if rounded else stopped_down(system, f_number)
+        pupil = entrance_pupil(system)
+        if math.isinf(pupil.z):
+            raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
+        object.__setattr__(self, "system", system)
+        object.__setattr__(self, "mm_per_unit", mm)
+        sensor_for(system, focus_distance * mm)
+        super().__init__(pupil.radius / mm, focus_distance)
+
+    def seen_by(self, camera: Camera) -> Camera:
+        """The camera with the field of view that a film of 24 mm height has at the distance in focus."""
+        half = FILM_HEIGHT / 2.0 / image_scale(self.system, self.focus_distance * self.mm_per_unit)
+        return replace(camera, fov_y=math.degrees(2.0 * math.atan(half)))
+
+    def map_of(self, camera: Camera, exponent: int = 0) -> LensMap:
+        """The lens before a camera, for kernels: at three wavelengths, or one where its glass has no dispersion.
+
+        Lengths in the scene are in 2^exponent scene units.
+        """
+        waves = RGB_WAVELENGTHS if self._disperses() else RGB_WAVELENGTHS[1:2]
+        made = lens_map_of(self.system, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit)
+        return made._replace(scale=math.ldexp(made.scale, -exponent))
+
+    def _disperses(self) -> bool:
+        first, *others = (tuple(self.system.indices(wave)) for wave in RGB_WAVELENGTHS)
+        return any(other != first for other in others)
