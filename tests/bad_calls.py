@@ -25,7 +25,10 @@ from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
+from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trace
+from refdof.optics.systems.glass import glass_of
 from refdof.optics.systems.prescription import load_lens, save_lens
+from refdof.optics.systems.system import ThickLens
 from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -396,6 +399,80 @@ for _name, _module in METHODS.items():
             {"color": ("depth", "coc")},
         )
 
+LENS_SYSTEM = ThickLens(60.0, -80.0, 6.0, 25.0, glass_of("N-BK7")).system()
+_SURFACE = {"radius": 60.0, "thickness": 6.0, "glass": glass_of("N-BK7"), "semi_diameter": 12.5, "is_stop": True}
+_THICK = {"radius1": 60.0, "radius2": -80.0, "thickness": 6.0, "diameter": 25.0, "glass": glass_of("N-BK7")}
+_RAYS = {
+    "system": LENS_SYSTEM,
+    "origins": np.array([[0.0, 1.0, -9.0], [2.0, 0.0, -8.0]]),
+    "directions": np.array([[0.0, 0.1, 1.0], [0.1, 0.0, 1.0]]),
+    "wavelength_um": 0.5,
+    "reverse": False,
+}
+_LENS = {"system": LENS_SYSTEM, "wavelength_um": 0.5}
+_FOCUS = _LENS | {"focus_distance": 900.0}
+_PUPIL = {"system": LENS_SYSTEM, "reach": 2.0, "sensor": 80.0, "wavelength_um": 0.5, "intervals": 1, "rims": True}
+_LENS_MAP = {
+    "system": LENS_SYSTEM,
+    "camera": CAMERA,
+    "focus_distance": 2.0,
+    "wavelengths_um": (0.5,),
+    "sensor_height": 4.0,
+    "millimetres": 1000.0,
+    "rims": True,
+}
+
+
+def _coarse(call: Callable[..., Any]) -> Callable[..., Any]:
+    """A search for pupils on small grids: interpreted, the others take seconds."""
+
+    def search(**words: Any) -> Any:
+        with mock.patch("refdof.optics.systems.pupil._GRIDS", (8, 4)):
+            return call(**words)
+
+    return search
+
+
+DOORS |= {
+    f"refdof.optics.systems.{name}": door
+    for name, door in {
+        "glass.Glass": Door(
+            glass.Glass,
+            {"name": "crown", "n_d": 1.5, "v_d": 60.0, "b": (), "c": (), "source": ""},
+            {"b": ("n_d", "c")},
+        ),
+        "glass.Glass.index": Door(glass_of("N-BK7").index, {"wavelength_um": 0.5}),
+        "glass.glass_of": Door(glass_of, {"name": "N-BK7"}, {"name": ("glass",)}),
+        "system.Surface": Door(system.Surface, _SURFACE, {"radius": ("semi_diameter",)}),
+        "system.Surface.sag": Door(LENS_SYSTEM.surfaces[0].sag, {"height": 1.0}),
+        "system.LensSystem": Door(
+            system.LensSystem, {"name": "lens", "surfaces": LENS_SYSTEM.surfaces, "source": "catalogue"}
+        ),
+        "system.LensSystem.indices": Door(LENS_SYSTEM.indices, {"wavelength_um": 0.5}),
+        "system.LensSystem.with_stop": Door(LENS_SYSTEM.with_stop, {"semi_diameter": 3.0}),
+        "system.ThickLens": Door(
+            ThickLens,
+            _THICK,
+            {"radius1": ("thickness",), "radius2": ("thickness",), "diameter": ("radius1", "radius2", "thickness")},
+        ),
+        "system.ThickLens.system": Door(ThickLens(**_THICK).system, {"name": "lens"}),
+        "trace.trace": Door(trace.trace, _RAYS, {"origins": ("directions",)}),
+        "trace.trace_path": Door(
+            trace.trace_path, _RAYS, {"origins": ("directions",)}, any_result=True
+        ),  # NaN: stopped
+        "paraxial.cardinal_points": Door(paraxial.cardinal_points, _LENS),
+        "paraxial.entrance_pupil": Door(paraxial.entrance_pupil, _LENS),
+        "paraxial.exit_pupil": Door(paraxial.exit_pupil, _LENS),
+        "paraxial.f_number": Door(paraxial.f_number, _LENS),
+        "paraxial.focal_length": Door(paraxial.focal_length, _LENS),
+        "paraxial.image_scale": Door(paraxial.image_scale, _FOCUS),
+        "paraxial.sensor_for": Door(paraxial.sensor_for, _FOCUS),
+        "paraxial.stopped_down": Door(paraxial.stopped_down, _LENS | {"f_stop": 8.0}),
+        "pupil.pupil_bounds": Door(_coarse(pupil.pupil_bounds), _PUPIL),
+        "lens_map.lens_map_of": Door(_coarse(lens_map.lens_map_of), _LENS_MAP, {"millimetres": ("focus_distance",)}),
+    }.items()
+}
+
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
@@ -469,6 +546,14 @@ INNER = {
     "refdof.view.View.booking",
     "refdof.view.View.product",
 }
+INNER |= {
+    f"refdof.optics.systems.{word}"
+    for word in (
+        "trace.SurfaceTable", "trace.Traced", "trace.table_of", "trace.trace_ray", "trace.traced",
+        "paraxial.CardinalPoints", "paraxial.Pupil", "pupil.PupilBounds", "pupil.bounds_at", "pupil.joined_boxes",
+        "lens_map.LensMap", "lens_map.lens_map_ray", "lens_map.lens_map_rays",
+    )
+}  # fmt: skip
 INNER |= {
     "refdof.methods.cascaded.method.buffers_of",
     *(f"refdof.methods.lensblur.method.{word}" for word in ("Prepared", "prepare", "trace")),

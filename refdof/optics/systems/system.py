@@ -78,6 +78,7 @@ class Surface:
 
     def sag(self, height: float) -> float:
         """z of the surface at a height above the axis, from its vertex [mm]; `height` at most \\|radius\\|."""
+        height = as_number("height", height, minimum=0.0, maximum=min(abs(self.radius), _LONGEST))
         curvature = self.curvature
         root = math.sqrt(max(1.0 - (curvature * height) ** 2, 0.0))
         return curvature * height * height / (1.0 + root)

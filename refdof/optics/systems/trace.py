@@ -25,7 +25,7 @@ from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
 from refdof.optics.systems.system import LensSystem
 
-__all__ = ["SurfaceTable", "Traced", "table_of", "trace", "trace_path", "trace_ray"]
+__all__ = ["SurfaceTable", "Traced", "table_of", "trace", "trace_path", "trace_ray", "traced"]
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
 _ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
@@ -62,13 +62,7 @@ def table_of(
 
 
 def trace(
-    system: LensSystem,
-    origins: Float,
-    directions: Float,
-    wavelength_um: float,
-    *,
-    reverse: bool = False,
-    rims: bool = True,
+    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Traced:
     """Rays through a lens.
 
@@ -83,8 +77,6 @@ def trace(
         Vacuum wavelength [um], 0.3 to 2.5.
     reverse : bool
         Rays come from the sensor and run towards the scene: their directions have z < 0.
-    rims : bool
-        False: only the stop's rim blocks rays.
 
     Raises
     ------
@@ -92,32 +84,23 @@ def trace(
         If shapes disagree, a number is not finite, or a direction is 0.
     """
     origins, directions = _rays(origins, directions)
-    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
-    return _traced(table, as_bool("reverse", reverse), origins, directions)
+    table = table_of(system, wavelength_um, dtype=origins.dtype)
+    return traced(table, as_bool("reverse", reverse), origins, directions)
 
 
 def trace_path(
-    system: LensSystem,
-    origins: Float,
-    directions: Float,
-    wavelength_um: float,
-    *,
-    reverse: bool = False,
-    rims: bool = True,
+    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Float:
     """Where rays meet each surface: (N, S + 1, 3), the origins first; NaN behind where a ray is stopped.
 
     Arguments and errors are those of `trace`.
     """
     origins, directions = _rays(origins, directions)
-    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
-    reverse = as_bool("reverse", reverse)
+    table, reverse = table_of(system, wavelength_um, dtype=origins.dtype), as_bool("reverse", reverse)
     points = [origins]
     for count in range(1, len(system.surfaces) + 1):
         part = slice(-count, None) if reverse else slice(count)
-        found = _traced(
-            SurfaceTable(*(np.ascontiguousarray(x[..., part]) for x in table)), reverse, origins, directions
-        )
+        found = traced(SurfaceTable(*(np.ascontiguousarray(x[..., part]) for x in table)), reverse, origins, directions)
         points.append(np.where(found.passed[:, None], found.origins, origins.dtype.type(np.nan)))
     return np.stack(points, axis=1)
 
@@ -134,10 +117,11 @@ def _rays(origins: Any, directions: Any) -> tuple[Float, Float]:
     return origins, directions.astype(origins.dtype)
 
 
-def _traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float) -> Traced:
-    traced = Traced(np.empty_like(origins), np.empty_like(directions), np.empty(len(origins), dtype=np.bool_))
-    _trace(table, reverse, origins, directions, traced.origins, traced.directions, traced.passed)
-    return traced
+def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float) -> Traced:
+    """`trace` behind its validation: rays of the table's type, with unit directions."""
+    out = Traced(np.empty_like(origins), np.empty_like(directions), np.empty(len(origins), dtype=np.bool_))
+    _trace(table, reverse, origins, directions, out.origins, out.directions, out.passed)
+    return out
 
 
 @kernel

@@ -1,0 +1,214 @@
+"""Lens map: what a renderer needs of a real lens, a ray in camera space for every point of the image and of a square.
+
+For a place in the image [px], a point of the unit square and a wavelength, `lens_map_ray`:
+
+1. find the sensor's point, which the lens has turned upside down
+2. pick a point of the exit pupil's box, turned about the axis to where the sensor point is   `bounds_at`
+3. trace backwards through the lens                                                           `trace_ray`
+4. put the ray into camera space, and weigh it by the box's area and the angle's cosine^4
+
+The entrance pupil is at the eye: its centre is what perspective is drawn from, and its plane is depth 0. The lens is
+focused by moving the sensor: a point of the axis at the focus distance is sharp, but for aberrations.
+
+Brightness follows from E = (A / Z^2) L cos^4: a sensor point's light is the integral over the pupil's area A at the
+distance Z, [1]. Weights are divided by that of the centre, so that an even scene has its own brightness there.
+
+References
+----------
+.. [1] Kolb, Mitchell & Hanrahan (1995), A Realistic Camera Model for Computer Graphics, SIGGRAPH, section 4.
+.. [2] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 4.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_float, as_instance, as_integer, as_number
+from refdof._jit import inline, kernel, prange
+from refdof.optics.camera import Camera
+from refdof.optics.systems.glass import LINE_D
+from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for
+from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, pupil_bounds
+from refdof.optics.systems.system import LensSystem
+from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray, traced
+
+__all__ = ["RGB_WAVELENGTHS", "LensMap", "lens_map_of", "lens_map_ray", "lens_map_rays"]
+
+RGB_WAVELENGTHS = (0.650, 0.510, 0.475)  # [um], of red, green and blue, [2]
+
+
+class LensMap(NamedTuple):
+    """A focused lens before a camera's picture, for kernels; W wavelengths, N surfaces.
+
+    Flat, since parallel loops take no record inside a record.
+    """
+
+    vertex: Float  # (N,), as in `SurfaceTable`
+    curvature: Float  # (N,)
+    rim: Float  # (N,)
+    ratios: Float  # (W, 2, N)
+    plane: float  # as in `PupilBounds`, of all wavelengths
+    sensor: float
+    reach: float
+    boxes: Float  # (K + 1, 3)
+    width: int  # [px]
+    height: int  # [px]
+    pitch: float  # [mm / px]
+    eye: float  # z of the entrance pupil [mm]
+    scale: float  # scene units of a millimetre
+    inverse_centre: float  # one over the centre's area times cosine^4 [1 / mm^2]
+
+
+def lens_map_of(
+    system: LensSystem,
+    camera: Camera,
+    focus_distance: float,
+    *,
+    wavelengths_um: Sequence[float] = RGB_WAVELENGTHS,
+    sensor_height: float | None = None,
+    millimetres: float = 1000.0,
+    rims: bool = True,
+) -> LensMap:
+    """Focus a lens and put it before a camera's eye.
+
+    Parameters
+    ----------
+    system : LensSystem
+    camera : Camera
+        Only its picture size and, without `sensor_height`, its field of view count: camera space is where rays are.
+    focus_distance : float
+        Planar distance of what is sharp from the eye [scene units]; ``inf`` is allowed.
+    wavelengths_um : 1 to 32 floats
+        [um]
+    sensor_height : float or None
+        [mm]; the field of view then follows from the lens, and breathes with the focus. None: the sensor is as large as
+        makes the camera's field of view at the focus distance.
+    millimetres : float
+        Of one scene unit.
+    rims : bool
+        False: only the stop bounds the light, without mechanical vignetting.
+
+    Raises
+    ------
+    InputError
+        If the lens cannot be focused there, or no light comes to the sensor's centre.
+    """
+    as_instance("camera", camera, Camera)
+    as_instance("system", system, LensSystem)
+    millimetres = as_number("millimetres", millimetres, minimum=1e-6, maximum=1e6)
+    focus = as_number("focus_distance", focus_distance, above=0.0, finite=False) * millimetres
+    if not isinstance(wavelengths_um, list | tuple) or not 1 <= len(wavelengths_um) <= 32:
+        raise InputError("wavelengths_um: allowed is a list of 1 to 32 numbers")
+    wavelengths = [as_number("wavelengths_um", w, minimum=0.3, maximum=2.5) for w in wavelengths_um]
+    sensor = sensor_for(system, focus)
+    if sensor_height is None:
+        pitch = image_scale(system, focus) / camera.pixels_per_tangent
+    else:
+        pitch = as_number("sensor_height", sensor_height, minimum=1e-3, maximum=1e4) / camera.height
+    tables = [table_of(system, wavelength, rims=rims) for wavelength in wavelengths]
+    reach = 0.5 * math.hypot(camera.width, camera.height) * pitch * (1.0 + 1e-9)  # a rounding
+    each = [pupil_bounds(system, reach, sensor=sensor, wavelength_um=w, rims=rims) for w in wavelengths]
+    boxes = each[0].boxes
+    for other in each[1:]:
+        boxes = joined_boxes(boxes, other.boxes)
+    middle = tables[len(tables) // 2]
+    return LensMap(
+        middle.vertex,
+        middle.curvature,
+        middle.rim,
+        np.stack([table.ratio for table in tables]),
+        *each[0]._replace(boxes=boxes),
+        camera.width,
+        camera.height,
+        pitch,
+        entrance_pupil(system, LINE_D).z,
+        1.0 / millimetres,
+        1.0 / _light_at_centre(middle, each[len(tables) // 2]),
+    )
+
+
+def _light_at_centre(table: SurfaceTable, bounds: PupilBounds) -> float:
+    """Integral of cosine^4 over what the sensor's centre sees [mm^2]: pi r^2 cosine^2 of a disc's rim."""
+    depth, low, high = bounds.sensor - bounds.plane, 0.0, bounds.boxes[0, 1]
+    for _ in range(3):
+        radii = np.linspace(low, high, 257)
+        directions = np.stack([radii, 0.0 * radii, 0.0 * radii - depth], axis=1)
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        passed = traced(table, True, np.tile([0.0, 0.0, bounds.sensor], (257, 1)), directions).passed
+        if not passed.any():
+            raise InputError("system: no light comes to the sensor's centre; allowed is a lens that it sees through")
+        last = int(np.flatnonzero(passed)[-1])
+        low, high = radii[last], radii[min(last + 1, 256)]
+    return math.pi * low * low * depth * depth / (depth * depth + low * low)
+
+
+def lens_map_rays(lens_map: LensMap, places: Float, squares: Float, wavelength: int = 0) -> tuple[Float, Float]:
+    """Rays (N, 4), as `lens_map_ray` has them, and weights (N,), for image places and square points, (N, 2) each.
+
+    Parameters
+    ----------
+    lens_map : LensMap
+    places : (N, 2)
+        x and y in the image [px], y down.
+    squares : (N, 2)
+        Points of the unit square.
+    wavelength : int
+        Index of the wavelength.
+
+    Raises
+    ------
+    InputError
+        If shapes disagree, a number is out of range, or there is no such wavelength.
+    """
+    as_instance("lens_map", lens_map, LensMap)
+    places = as_float("places", places, (None, 2), dtype=np.float64, minimum=-1e6, maximum=1e6)
+    squares = as_float("squares", squares, (len(places), 2), dtype=np.float64, minimum=0.0, maximum=1.0)
+    which = as_integer("wavelength", wavelength, minimum=0, maximum=len(lens_map.ratios) - 1)
+    rays, weights = np.empty((len(places), 4)), np.empty(len(places))
+    _map_rays(lens_map, places, squares, which, rays, weights)
+    return rays, weights
+
+
+@kernel
+def _map_rays(lens_map, places, squares, wavelength, rays, weights):
+    """Fill rays (N, 4) and weights (N,)."""
+    for r in prange(len(places)):
+        ray = lens_map_ray(lens_map, places[r, 0], places[r, 1], squares[r, 0], squares[r, 1], wavelength)
+        rays[r, 0], rays[r, 1], rays[r, 2], rays[r, 3], weights[r] = ray
+
+
+@inline
+def lens_map_ray(lens_map, column, row, u, v, wavelength):
+    """Ray (x, y, slope_x, slope_y) and weight of a place in the image and a point (u, v) of the unit square.
+
+    The ray passes (x, y, 0) in camera space, in scene units, and runs along (slope_x, slope_y, -1). A ray that does not
+    pass has weight 0, and is the axis.
+    """
+    bounds = PupilBounds(lens_map.plane, lens_map.sensor, lens_map.reach, lens_map.boxes)
+    sensor_x = (0.5 * lens_map.width - column) * lens_map.pitch
+    sensor_y = (row - 0.5 * lens_map.height) * lens_map.pitch
+    radius = np.sqrt(sensor_x * sensor_x + sensor_y * sensor_y)
+    turn_x, turn_y = (sensor_x / radius, sensor_y / radius) if radius > 0.0 else (1.0, 0.0)
+
+    # Pick a point of the box, as if the sensor point were (radius, 0), and turn it.
+    x0, x1, y1 = bounds_at(bounds, radius)
+    along, across = x0 + (x1 - x0) * u, y1 * (2.0 * v - 1.0)
+    dx = turn_x * along - turn_y * across - sensor_x
+    dy = turn_y * along + turn_x * across - sensor_y
+    dz = bounds.plane - bounds.sensor
+    square = dz * dz / (dx * dx + dy * dy + dz * dz)
+    scale = np.sqrt(square) / -dz
+
+    # Trace it, and go on to the plane of the eye.
+    ratio = lens_map.ratios[wavelength]
+    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, ratio)
+    x, y, z, dx, dy, dz, passed = trace_ray(
+        table, True, sensor_x, sensor_y, bounds.sensor, dx * scale, dy * scale, dz * scale
+    )
+    if not (passed and x1 > x0 and dz < 0.0):
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    slope_x, slope_y, depth = -dx / dz, -dy / dz, z - lens_map.eye
+    weight = 2.0 * y1 * (x1 - x0) * square * square * lens_map.inverse_centre
+    return (x + depth * slope_x) * lens_map.scale, (y + depth * slope_y) * lens_map.scale, slope_x, slope_y, weight

@@ -1,0 +1,160 @@
+"""Exit pupil: through which part of the last surface's plane a point of the sensor sees the scene.
+
+Rays drawn through the whole last surface are mostly lost at a stop that is closed. Here a box of the plane z = last
+vertex is found for every distance of the sensor point from the axis, [1]:
+
+1. on a grid over the last surface, and one over the stop's paraxial image, bound the rays that pass   `_bound`
+2. repeat with a grid on that box, twice, so that a cell of the grid and thus the box's margin is small
+3. a point between two distances has a box between their boxes                                         `bounds_at`
+
+Departures from [1]
+-------------------
+- Boxes are refined until their margin is small, so fewer rays are lost.
+- Boxes belong to distances and are interpolated, where [1] has one box for an interval of distances.
+
+References
+----------
+.. [1] Pharr, Jakob & Humphreys (2016), Physically Based Rendering, 3rd edition, section 6.4.5.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, as_instance, as_integer, as_number
+from refdof._jit import inline, kernel, prange
+from refdof.optics.systems.glass import LINE_D
+from refdof.optics.systems.paraxial import exit_pupil
+from refdof.optics.systems.system import LensSystem
+from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray
+
+__all__ = ["PupilBounds", "bounds_at", "joined_boxes", "pupil_bounds"]
+
+_GRIDS = (64, 64, 256)  # points a side; each is laid on what the one before found
+
+
+class PupilBounds(NamedTuple):
+    """Boxes of the plane z = `plane` for sensor points (r, 0), r = 0 .. reach; one that no ray passes has no area."""
+
+    plane: float  # [mm]
+    sensor: float  # z of the sensor [mm]
+    reach: float  # largest distance from the axis [mm]
+    boxes: Float  # (K + 1, 3): x from, x to, and |y| to [mm], at r = k reach / K
+
+
+def pupil_bounds(
+    system: LensSystem,
+    reach: float,
+    *,
+    sensor: float | None = None,
+    wavelength_um: float = LINE_D,
+    intervals: int = 128,
+    rims: bool = True,
+) -> PupilBounds:
+    """Bounds of the exit pupil for sensor points up to `reach` from the axis.
+
+    Parameters
+    ----------
+    system : LensSystem
+    reach : float
+        Half the sensor's diagonal [mm].
+    sensor : float or None
+        z of the sensor [mm], behind the last surface; None: as the prescription places it.
+    wavelength_um : float
+        [um]
+    intervals : int
+        K, 1 to 1024.
+    rims : bool
+        False: only the stop bounds the light, without mechanical vignetting.
+
+    Raises
+    ------
+    InputError
+        If the sensor is not behind the lens.
+    """
+    as_instance("system", system, LensSystem)
+    reach = as_number("reach", reach, above=0.0, maximum=1e4)
+    last, surface = float(system.vertices[-1]), system.surfaces[-1]
+    sensor = as_number("sensor", system.sensor if sensor is None else sensor, above=last, maximum=1e6)
+    intervals = as_integer("intervals", intervals, minimum=1, maximum=1024)
+    table = table_of(system, wavelength_um, rims=rims)
+
+    # A ray to the rim meets the plane farther out if the surface bulges.
+    wide = surface.semi_diameter if rims else min(abs(surface.radius), 4.0 * surface.semi_diameter)
+    wide += abs(surface.sag(wide)) * (reach + wide) / (sensor - last)
+    radii = np.linspace(0.0, reach, intervals + 1)
+    boxes = _bounded(table, last, sensor, radii, np.tile([-wide, wide, wide], (len(radii), 1)), _GRIDS[0])
+    stop = exit_pupil(system, wavelength_um)
+    if stop.z < sensor:  # it may be smaller than a cell
+        scale = (sensor - last) / (sensor - stop.z)
+        centre, half = radii * (1.0 - scale), np.full(len(radii), 1.5 * stop.radius * scale)
+        image = np.stack([centre - half, centre + half, half], axis=1)
+        boxes = joined_boxes(boxes, _bounded(table, last, sensor, radii, image, _GRIDS[0]))
+    for count in _GRIDS[1:]:
+        boxes = _bounded(table, last, sensor, radii, boxes, count)
+    return PupilBounds(last, sensor, reach, boxes)
+
+
+def _bounded(table: SurfaceTable, plane: float, sensor: float, radii: Float, boxes: Float, count: int) -> Float:
+    """What passes boxes (K, 3), by grids of `count` points a side on them."""
+    found = np.zeros_like(boxes)
+    _bound(table, plane, sensor, radii, boxes, count, found)
+    return found
+
+
+@kernel
+def _bound(table, plane, sensor, radii, boxes, count, found):
+    """Fill found (K, 3), which is 0, with the bounds of the points that pass, a cell farther."""
+    for k in prange(len(radii)):
+        x0, x1, y1 = boxes[k, 0], boxes[k, 1], boxes[k, 2]
+        step_x, step_y = (x1 - x0) / count, 2.0 * y1 / count
+        low, high, top = count, -1, -1
+        for row in range(count // 2 if x1 > x0 else 0):
+            y = (row + 0.5) * step_y
+
+            # Search every row from both ends, no farther than what is known.
+            column = 0
+            while column < count and not _passes(table, radii[k], sensor, plane, x0 + (column + 0.5) * step_x, y):
+                column += 1
+            if column == count:
+                continue
+            low, top = min(low, column), row
+            column = count - 1
+            while column > high and not _passes(table, radii[k], sensor, plane, x0 + (column + 0.5) * step_x, y):
+                column -= 1
+            high = max(high, column)
+        if top >= 0:
+            found[k, 0] = x0 + (low - 0.5) * step_x
+            found[k, 1] = x0 + (high + 1.5) * step_x
+            found[k, 2] = (top + 1.5) * step_y
+
+
+@inline
+def _passes(table, radius, sensor, plane, x, y):
+    """Whether the ray of the sensor point (radius, 0) through a point of the plane reaches the scene."""
+    dx, dy, dz = x - radius, y, plane - sensor
+    scale = 1.0 / np.sqrt(dx * dx + dy * dy + dz * dz)
+    return trace_ray(table, True, radius, 0.0, sensor, dx * scale, dy * scale, dz * scale)[6]
+
+
+def joined_boxes(one: Float, two: Float) -> Float:
+    """Boxes (K, 3) around two boxes each; an empty one adds nothing."""
+    joined = np.stack([np.minimum(one[:, 0], two[:, 0]), *np.maximum(one[:, 1:], two[:, 1:]).T], axis=1)
+    joined = np.where((one[:, 1] <= one[:, 0])[:, None], two, joined)
+    return np.where((two[:, 1] <= two[:, 0])[:, None], one, joined)
+
+
+@inline
+def bounds_at(bounds, radius):
+    """Box (x0, x1, y1) for a sensor point (radius, 0): x in x0 .. x1 and y in -y1 .. y1; empty beyond the reach."""
+    intervals = len(bounds.boxes) - 1
+    place = radius / bounds.reach * intervals
+    if not 0.0 <= place <= intervals:
+        return 0.0, 0.0, 0.0
+    k = min(int(place), intervals - 1)
+    near, far, t = bounds.boxes[k], bounds.boxes[k + 1], place - k
+    if near[1] <= near[0]:
+        return far[0], far[1], far[2]
+    if far[1] <= far[0]:
+        return near[0], near[1], near[2]
+    return near[0] + t * (far[0] - near[0]), near[1] + t * (far[1] - near[1]), near[2] + t * (far[2] - near[2])
