@@ -35,7 +35,9 @@ from refdof.methods._contract import facts_of
 from refdof.options import (
     PRESET_HELP,
     AsJson,
+    FNumber,
     Focus,
+    Lens,
     MethodSettings,
     Most,
     Preset,
@@ -128,6 +130,8 @@ def render(
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
     samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
     stages: Annotated[
@@ -151,7 +155,7 @@ def render(
     params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
     make_params(method, params, preset)
     with warming_up([(method, preset)] if scene in SCENES else []):
-        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
+        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number)
     view = View(loaded, camera, lens)
     result = render_view(method, view, wanted if stages is not None else False, preset, **params)
     if stages is not None:
@@ -180,6 +184,8 @@ def export(
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -192,7 +198,7 @@ def export(
     for name in names:
         as_choice("method", name, METHODS)
     params = settings_by_method(settings or [], names, ["best"])
-    view = View(*scene_camera_lens(scene, size, lens_radius, focus))
+    view = View(*scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number))
     export_view(view, out, names, params, layers, stages_of(steps, pixel))
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
@@ -216,6 +222,8 @@ def compare(
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
     seed: Seed = 0,
     samples: Samples = 256,
     tolerance: Tolerance = None,
@@ -236,7 +244,7 @@ def compare(
     with _progress() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             with warming_up(soon if name in SCENES and not comparisons else []):
-                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus)
+                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, lens_file, f_number)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)

@@ -9,6 +9,9 @@ from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.optics.systems.paraxial import entrance_pupil
+from refdof.optics.systems.prescription import load_lens
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.rendering import make_params
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
@@ -17,7 +20,9 @@ from refdof.stages import Stages
 __all__ = [
     "PRESET_HELP",
     "AsJson",
+    "FNumber",
     "Focus",
+    "Lens",
     "MethodSettings",
     "Most",
     "Preset",
@@ -47,6 +52,17 @@ Radius = Annotated[
 ]
 Focus = Annotated[
     float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf. Default: the scene's own.")
+]
+Lens = Annotated[
+    str | None,
+    typer.Option(
+        "--lens",
+        metavar="FILE",
+        help="A real lens: name or file, see `refdof lens`. It is scaled to the lens radius and sets the field of view.",
+    ),
+]
+FNumber = Annotated[
+    float | None, typer.Option("--f-number", help="Stop of the --lens. Default: open as far as it goes.")
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
@@ -105,10 +121,21 @@ def _whole(name: str, text: str) -> tuple[int, ...]:
 
 
 def scene_camera_lens(
-    name: str, size: str | None, lens_radius: float | None, focus: float | None
+    name: str,
+    size: str | None,
+    lens_radius: float | None,
+    focus: float | None,
+    lens_file: str | None = None,
+    f_number: float | None = None,
 ) -> tuple[Scene, Camera, ThinLens]:
-    """Load a scene and put the options over its suggested shot."""
+    """Load a scene and put the options over its suggested shot.
+
+    A lens system is scaled so that its entrance pupil, open as far as it goes, has the lens radius.
+    """
     pixels = None if size is None else _size(size)
+    if f_number is not None and lens_file is None:
+        raise InputError(f"f-number: got {f_number:g} without --lens; allowed is one with a lens")
+    system = None if lens_file is None else load_lens(lens_file)
     scene = load_scene(name)
     camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
     lens = scene.lens
@@ -121,7 +148,16 @@ def scene_camera_lens(
     except InputError as error:  # by the names of the options
         names = str(error).replace("radius:", "lens-radius:", 1).replace("focus_distance:", "focus:", 1)
         raise InputError(names) from None
-    return scene, camera, lens
+    if system is None:
+        return scene, camera, lens
+    if lens.radius == 0.0:
+        raise InputError("lens-radius: got 0 with --lens; allowed is a size to which the lens is scaled, above 0")
+    try:
+        real = SystemLens(system, lens.focus_distance, f_number, entrance_pupil(system).radius / lens.radius)
+    except InputError as error:
+        names = str(error).replace("f_number:", "f-number:", 1).replace("focus_distance:", "focus:", 1)
+        raise InputError(names) from None
+    return scene, real.seen_by(camera), real
 
 
 def listed(text: str) -> list[str]:

@@ -62,6 +62,8 @@ def explain_view(method: str, view: View, params: Any, pixel: tuple[int, int], s
     """
     as_instance("view", view, View)
     _check(method, params, pixel, view.camera.size)
+    if view.lens_map() is not None and method in ("accumulation", "lensblur"):
+        raise InputError(f"lens: got a lens system; allowed for an explanation of {method} is a thin lens")
     given = pictures_of(view) if METHODS[method].METHOD.kind == "single image" else view
     return _explained(method, given, params, pixel, stage)
 

@@ -14,6 +14,8 @@ import numpy as np
 from refdof.comparison import Comparison, Row
 from refdof.metrics import FLIP_PPD, METRICS
 from refdof.optics.lens import ThinLens
+from refdof.optics.systems.paraxial import f_number
+from refdof.optics.systems.system_lens import SystemLens
 
 __all__ = ["DISPLAY", "at_noise_floor", "command_of", "lens_as_json", "plain", "rows_as_json"]
 
@@ -68,7 +70,7 @@ def at_noise_floor(row: Row, comparison: Comparison) -> bool:
 
 
 def command_of(comparison: Comparison) -> str:
-    """A `refdof compare` line for this shot; a camera that is not the scene's own cannot be said there."""
+    """A `refdof compare` line for this shot; a camera or lens system that is not the scene's own is not said."""
     camera, lens = comparison.camera, comparison.lens
     words = ["refdof", "compare", comparison.scene, "--size", f"{camera.width}x{camera.height}"]
     words += ["--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
@@ -110,8 +112,15 @@ def lens_as_json(lens: ThinLens) -> dict[str, Any]:
         shape = f"polygon of {len(aperture.boundary)} corners"
     else:
         shape = "disc"
-    return {
+    facts = {
         "radius": plain(lens.radius),
         "focus_distance": plain(lens.focus_distance),
         "aperture": {"shape": shape, "scale": plain(aperture.scale)},
     }
+    if isinstance(lens, SystemLens):
+        facts["system"] = {
+            "name": lens.system.name,
+            "f_number": plain(f_number(lens.system)),
+            "mm_per_unit": plain(lens.mm_per_unit),
+        }
+    return facts

@@ -23,7 +23,7 @@ from refdof._check import Float
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import entrance_pupil, exit_pupil, image_scale
 from refdof.optics.systems.system import LensSystem
-from refdof.optics.systems.trace import trace, trace_path
+from refdof.optics.systems.trace import SurfaceTable, Traced, table_of, trace, traced
 
 __all__ = [
     "FilmLight",
@@ -59,12 +59,11 @@ class FilmLight(NamedTuple):
 
 def chief_rays(system: LensSystem, heights: Float, wavelength_um: float = LINE_D) -> Rays:
     """The rays from the scene that pass the stop's centre and meet the film at `heights` (N,) [mm], rims or not."""
-    count, stop = len(system.surfaces), system.stop
     origins = np.stack([np.zeros_like(heights), heights, np.full_like(heights, system.sensor)], axis=1)
 
     def height_at_stop(slope: Float) -> Float:
-        path = trace_path(system, origins, _towards_scene(slope), wavelength_um, reverse=True, rims=False)
-        return path[:, count - stop, 1]
+        found = _without_rims(system, origins, _towards_scene(slope), wavelength_um, first=system.stop, reverse=True)
+        return np.where(found.passed, found.origins[:, 1], np.nan)
 
     # Newton's method on the slope at the film, from the paraxial chief ray.
     slope = heights / (exit_pupil(system, wavelength_um).z - system.sensor)
@@ -75,7 +74,7 @@ def chief_rays(system: LensSystem, heights: Float, wavelength_um: float = LINE_D
         derivative = (height_at_stop(slope + 1e-6) - height) / 1e-6
         slope = np.where(np.isfinite(height / derivative), slope - height / derivative, slope)
     centred = np.abs(height_at_stop(slope)) < _CLOSE
-    found = trace(system, origins, _towards_scene(slope), wavelength_um, reverse=True, rims=False)
+    found = _without_rims(system, origins, _towards_scene(slope), wavelength_um, reverse=True)
     through = (centred & found.passed)[:, None]
     return Rays(np.where(through, found.origins, np.nan), np.where(through, -found.directions, np.nan))
 
@@ -83,6 +82,16 @@ def chief_rays(system: LensSystem, heights: Float, wavelength_um: float = LINE_D
 def _towards_scene(slope: Float) -> Float:
     """Directions (N, 3) from the film with dy / -dz = slope."""
     return np.stack([np.zeros_like(slope), slope, np.full_like(slope, -1.0)], axis=1)
+
+
+def _without_rims(
+    system: LensSystem, origins: Float, ways: Float, wavelength_um: float, *, first: int = 0, reverse: bool = False
+) -> Traced:
+    """Rays (N, 3) through the surfaces from `first` on, blocked by no rim but the stop's."""
+    whole = table_of(system, wavelength_um, rims=False)
+    table = SurfaceTable(*(np.ascontiguousarray(column[..., first:]) for column in whole))
+    units = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    return traced(table, reverse, np.ascontiguousarray(origins), units)
 
 
 def illumination(system: LensSystem, heights: Float, wavelength_um: float = LINE_D) -> FilmLight:
@@ -218,8 +227,8 @@ def focal_surfaces(system: LensSystem, heights: Float, distance: float) -> tuple
             points, ways = objects, points - objects
         known = np.isfinite(points).all(axis=1)
         ends = np.full((2, len(places), 3), np.nan)
-        traced = trace(system, points[known], ways[known], LINE_D, rims=False)
-        ends[0, known], ends[1, known] = traced.origins, traced.directions
+        through = _without_rims(system, points[known], ways[known], LINE_D)
+        ends[0, known], ends[1, known] = through.origins, through.directions
         found.append(Rays(*ends))
     beside, below, above = found
     slopes = [rays.directions[:, 1] / rays.directions[:, 2] for rays in found]

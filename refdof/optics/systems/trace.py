@@ -63,13 +63,7 @@ def table_of(
 
 
 def trace(
-    system: LensSystem,
-    origins: Float,
-    directions: Float,
-    wavelength_um: float,
-    *,
-    reverse: bool = False,
-    rims: bool = True,
+    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Traced:
     """Rays through a lens.
 
@@ -84,8 +78,6 @@ def trace(
         Vacuum wavelength [um], 0.3 to 2.5.
     reverse : bool
         Rays come from the sensor and run towards the scene: their directions have z < 0.
-    rims : bool
-        False: only the stop's rim blocks rays.
 
     Raises
     ------
@@ -98,21 +90,14 @@ def trace(
 
 
 def trace_path(
-    system: LensSystem,
-    origins: Float,
-    directions: Float,
-    wavelength_um: float,
-    *,
-    reverse: bool = False,
-    rims: bool = True,
+    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Float:
     """Where rays meet each surface: (N, S + 1, 3), the origins first; NaN behind where a ray is stopped.
 
     Arguments and errors are those of `trace`.
     """
     origins, directions = _rays(origins, directions)
-    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
-    reverse = as_bool("reverse", reverse)
+    table, reverse = table_of(system, wavelength_um, dtype=origins.dtype), as_bool("reverse", reverse)
     points = [origins]
     for count in range(1, len(system.surfaces) + 1):
         part = slice(-count, None) if reverse else slice(count)

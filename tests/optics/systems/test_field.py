@@ -64,9 +64,9 @@ def crossing(height, radius=50.0, thickness=4.0):
 def test_chief_rays_pass_the_centre_of_the_stop_and_meet_the_film_at_the_height(name, distance):
     system = focused(load_lens(name), distance)
     chief = chief_rays(system, HEIGHTS)
-    at_stop = trace_path(system, *chief, LINE_D, rims=False)[:, 1 + system.stop]
+    at_stop = trace_path(system, *chief, LINE_D)[:, 1 + system.stop]
     assert np.abs(at_stop[:, :2]).max() < 2e-6  # [mm]; the search ends below 1e-6
-    behind = trace(system, *chief, LINE_D, rims=False)
+    behind = trace(system, *chief, LINE_D)
     assert behind.passed.all()
     step = (system.sensor - behind.origins[:, 2:]) / behind.directions[:, 2:]
     at_film = behind.origins + step * behind.directions
