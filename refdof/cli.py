@@ -29,7 +29,6 @@ from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
-from refdof.lens_cli import add_lens
 from refdof.methods import METHODS
 from refdof.methods._contract import facts_of
 from refdof.options import (
@@ -261,9 +260,6 @@ def warm() -> None:
     """Compile everything now, in parallel, so that later runs start at once: for container images and CI."""
     with _progress() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
-
-
-add_lens(app)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The group of all commands: those of the oracle and of explanations, slow to import, are added when called."""
+"""The group of all commands: those of the oracle, explanations and lenses are added when called."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,12 +17,15 @@ class Commands(TyperGroup):
         """The names of all commands, in the order of the help."""
         self._add_oracle()
         self._add_explain()
+        self._add_lens()
         return super().list_commands(context)
 
     def get_command(self, context: Any, name: str) -> Any:
         """The command of a name, or None."""
         if name == "explain":
             self._add_explain()
+        elif name == "lens":
+            self._add_lens()
         elif name not in self.commands:
             self._add_oracle()
         return super().get_command(context, name)
@@ -36,6 +39,11 @@ class Commands(TyperGroup):
         from refdof.explain_cli import add_explain
 
         self._add(add_explain)
+
+    def _add_lens(self) -> None:
+        from refdof.lens_cli import add_lens
+
+        self._add(add_lens)
 
     def _add(self, add: Callable[[typer.Typer], None]) -> None:
         more = typer.Typer()

@@ -58,7 +58,7 @@ Lens = Annotated[
     typer.Option(
         "--lens",
         metavar="FILE",
-        help="A real lens: name or file, see `refdof lens`. It is scaled to the lens radius and sets the field of view.",
+        help="A real lens, a name or file as in `refdof lens`; scaled to the lens radius, it sets the field of view.",
     ),
 ]
 FNumber = Annotated[

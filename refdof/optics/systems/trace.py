@@ -85,7 +85,7 @@ def trace(
         If shapes disagree, a number is not finite, or a direction is 0.
     """
     origins, directions = _rays(origins, directions)
-    table = table_of(system, wavelength_um, dtype=origins.dtype, rims=rims)
+    table = table_of(system, wavelength_um, dtype=origins.dtype)
     return traced(table, as_bool("reverse", reverse), origins, directions)
 
 
