@@ -25,10 +25,21 @@ from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
 from refdof.optics.systems.system import LensSystem
 
-__all__ = ["SurfaceTable", "Traced", "table_of", "trace", "trace_path", "trace_ray", "traced"]
+__all__ = [
+    "BLOCK",
+    "SurfaceTable",
+    "Traced",
+    "refract_block",
+    "surface_at",
+    "table_of",
+    "trace",
+    "trace_path",
+    "trace_ray",
+    "traced",
+]
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
-_BLOCK = 64  # rays whose numbers stay in the nearest cache
+BLOCK = 64  # rays whose numbers stay in the nearest cache
 _ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
 
 
@@ -128,24 +139,24 @@ def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float
 
 @kernel
 def _trace(table, reverse, origins, directions, ends, ways, passed):
-    """Fill ends, ways (N, 3) and passed (N,), a block of rays at a time: 7 numbers each, one kind after the other."""
+    """Fill ends, ways (N, 3) and passed (N,), a block of rays at a time."""
     count, scalar = len(origins), table.vertex.dtype.type
-    for block in prange((count + _BLOCK - 1) // _BLOCK):
-        rays = np.zeros(7 * _BLOCK, dtype=table.vertex.dtype)
-        first = block * _BLOCK
-        here = min(_BLOCK, count - first)
+    for block in prange((count + BLOCK - 1) // BLOCK):
+        rays = np.zeros(7 * BLOCK, dtype=table.vertex.dtype)
+        first = block * BLOCK
+        here = min(BLOCK, count - first)
         for i in range(here):
             for axis in range(3):
-                rays[axis * _BLOCK + i] = origins[first + i, axis]
-                rays[(3 + axis) * _BLOCK + i] = directions[first + i, axis]
-            rays[6 * _BLOCK + i] = scalar(1.0)
+                rays[axis * BLOCK + i] = origins[first + i, axis]
+                rays[(3 + axis) * BLOCK + i] = directions[first + i, axis]
+            rays[6 * BLOCK + i] = scalar(1.0)
         for step in range(len(table.vertex)):
-            _refract_block(_surface_at(table, reverse, step), rays)
+            refract_block(surface_at(table, reverse, step), rays)
         for i in range(here):
             for axis in range(3):
-                ends[first + i, axis] = rays[axis * _BLOCK + i]
-                ways[first + i, axis] = rays[(3 + axis) * _BLOCK + i]
-            passed[first + i] = rays[6 * _BLOCK + i] > scalar(0.0)
+                ends[first + i, axis] = rays[axis * BLOCK + i]
+                ways[first + i, axis] = rays[(3 + axis) * BLOCK + i]
+            passed[first + i] = rays[6 * BLOCK + i] > scalar(0.0)
 
 
 @inline
@@ -154,7 +165,7 @@ def trace_ray(table, reverse, x, y, z, dx, dy, dz):
     scalar = table.vertex.dtype.type
     going = scalar(1.0)
     for step in range(len(table.vertex)):
-        x, y, z, dx, dy, dz, going = _refract(_surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
+        x, y, z, dx, dy, dz, going = _refract(surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
         if going == scalar(0.0):
             break
     return x, y, z, dx, dy, dz, going > scalar(0.0)
@@ -172,7 +183,7 @@ class _Face(NamedTuple):
 
 
 @inline
-def _surface_at(table, reverse, step):
+def surface_at(table, reverse, step):
     """The surface that a ray meets after `step` others; to the first it may run back from its origin."""
     scalar = table.vertex.dtype.type
     k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
@@ -181,22 +192,25 @@ def _surface_at(table, reverse, step):
 
 
 @inline
-def _refract_block(face, rays):
-    """`_refract` for a block of rays; compilers vectorise it."""
-    for i in range(_BLOCK):
+def refract_block(face, rays):
+    """Take a block of rays (7 BLOCK,) through a surface in place: all x, all y, all z, the directions', and 1 or 0.
+
+    1 is a ray that goes on, 0 one that was stopped. Distances in memory are constants: compilers vectorise this.
+    """
+    for i in range(BLOCK):
         x, y, z, dx, dy, dz, going = _refract(
             face,
             rays[i],
-            rays[_BLOCK + i],
-            rays[2 * _BLOCK + i],
-            rays[3 * _BLOCK + i],
-            rays[4 * _BLOCK + i],
-            rays[5 * _BLOCK + i],
-            rays[6 * _BLOCK + i],
+            rays[BLOCK + i],
+            rays[2 * BLOCK + i],
+            rays[3 * BLOCK + i],
+            rays[4 * BLOCK + i],
+            rays[5 * BLOCK + i],
+            rays[6 * BLOCK + i],
         )
-        rays[i], rays[_BLOCK + i], rays[2 * _BLOCK + i] = x, y, z
-        rays[3 * _BLOCK + i], rays[4 * _BLOCK + i], rays[5 * _BLOCK + i] = dx, dy, dz
-        rays[6 * _BLOCK + i] = going
+        rays[i], rays[BLOCK + i], rays[2 * BLOCK + i] = x, y, z
+        rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx, dy, dz
+        rays[6 * BLOCK + i] = going
 
 
 @inline
