@@ -8,7 +8,8 @@ For one ray and one surface after the other, `_refract`:
 4. refract by Snell's law in vector form, or stop if all light is reflected
 
 With c the curvature, p the nearest point from the vertex and d the unit direction, the distance t to the sphere solves
-c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. Its smaller root's square root is the cosine of the angle of incidence.
+c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. The root of a quarter of its discriminant is the cosine of the angle of
+incidence. Rays are lines: the first surface may lie behind a ray's origin.
 
 References
 ----------
@@ -40,7 +41,6 @@ __all__ = [
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
 BLOCK = 64  # rays whose numbers stay in the nearest cache
-_ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
 
 
 class SurfaceTable(NamedTuple):
@@ -179,16 +179,14 @@ class _Face(NamedTuple):
     rim: float
     ratio: float  # index before over index behind
     forward: float  # 1; -1 for a ray from the sensor
-    behind: float  # how far back the ray may run to it [mm]
 
 
 @inline
 def surface_at(table, reverse, step):
-    """The surface that a ray meets after `step` others; to the first it may run back from its origin."""
-    scalar = table.vertex.dtype.type
+    """The surface that a ray meets after `step` others."""
     k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
-    forward, behind = scalar(-1.0 if reverse else 1.0), scalar(-_ROUNDING if step > 0 else -np.inf)
-    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward, behind)
+    forward = table.vertex.dtype.type(-1.0 if reverse else 1.0)
+    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward)
 
 
 @inline
@@ -218,11 +216,11 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     """A ray at one surface, without a branch. going: 1, or 0 if it was stopped; then it stays as it is."""
     one = face.forward * face.forward
     zero = one - one
-    z -= face.vertex
+    away = z - face.vertex
 
     # Go to the ray's point nearest to the vertex, and from there to the sphere.
-    along = -(x * dx + y * dy + z * dz)
-    px, py, pz = x + along * dx, y + along * dy, z + along * dz
+    along = -(x * dx + y * dy + away * dz)
+    px, py, pz = x + along * dx, y + along * dy, away + along * dz
     excess = face.curvature * (px * px + py * py + pz * pz) - (pz + pz)
     square = dz * dz - face.curvature * excess
     met = (going > zero) & (square > zero) & (face.forward * dz > zero)
@@ -230,9 +228,9 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     onward = excess / (dz + face.forward * cosine if met else one)
     hx, hy, hz = px + onward * dx, py + onward * dy, pz + onward * dz
 
-    # Stop at the rim, on the sphere's far half, and where the surface lies behind the one before.
+    # Stop at the rim and on the sphere's far half.
     facing = one - face.curvature * hz
-    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero) & (along + onward >= face.behind)
+    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero)
 
     # Refract: the normal is (-c x, -c y, 1 - c z). Where all light is reflected, stop.
     bends = face.ratio != one
@@ -243,5 +241,5 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     dx = face.ratio * dx - bend * hx if through else dx
     dy = face.ratio * dy - bend * hy if through else dy
     dz = face.ratio * dz + turn * facing if through else dz
-    x, y, z = hx if met else x, hy if met else y, hz if met else z
-    return x, y, z + face.vertex, dx, dy, dz, one if through else zero
+    x, y, z = hx if met else x, hy if met else y, hz + face.vertex if met else z
+    return x, y, z, dx, dy, dz, one if through else zero
