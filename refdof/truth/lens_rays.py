@@ -25,7 +25,7 @@ from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
 from refdof.optics.projection import Projection
-from refdof.optics.systems.lens_map import LensMap, borrow_lens_map, lens_map_ray
+from refdof.optics.systems.lens_map import LensMap, borrow_lens_map, lens_map_block, new_scratch
 from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
@@ -121,6 +121,8 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
     group, strands = sums.shape[0], sums.shape[0] * sums.shape[1]
     rays, weights, tangents, seeds = borrow(work[0]), borrow(work[1]), borrow(work[2]), borrow(work[3])
     column_of, row_of, totals = borrow(work[4]), borrow(work[5]), borrow(work[6])[:strands]
+    memory = _new_scratch(lens_map)
+    scratch = borrow(memory)
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
     _start_strands(aim, pixels, group, replicate, tangents, seeds, column_of, row_of)
@@ -146,6 +148,7 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
         for g in range(group):
             for c in range(3):
                 sums[g, p, c] += totals[p * group + g, c]
+    memory[:] = 0.0  # memory that is lent must not be freed before
 
 
 @inline
@@ -204,12 +207,17 @@ def _new_weights(lens_map, count):
 
 
 @inline
+def _new_scratch(lens_map):
+    return np.zeros(0) if lens_map is None else new_scratch()
+
+
+@inline
 def _borrow_lens_map(lens_map):
     return None if lens_map is None else borrow_lens_map(lens_map)
 
 
 @inline
-def _aim_rays(lens_map, wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights):
+def _aim_rays(lens_map, scratch, wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights):
     """Turn square points and places in the pixel into origins and directions, in place, and write the rays' weights."""
     if lens_map is None:
         _on_lens(aperture_sampler, x, y)
@@ -219,7 +227,8 @@ def _aim_rays(lens_map, wavelength, aperture_sampler, projection, tangents, x, y
         for s in range(len(x)):
             column = 0.5 * projection.width + tangents[0, s] * pixels + dx[s]
             row = 0.5 * projection.height - tangents[1, s] * pixels + dy[s]
-            x[s], y[s], dx[s], dy[s], weights[s] = lens_map_ray(lens_map, column, row, x[s], y[s], wavelength)
+            dx[s], dy[s] = column, row
+        lens_map_block(lens_map, wavelength, scratch, dx, dy, x, y, dx, dy, weights)
 
 
 @inline

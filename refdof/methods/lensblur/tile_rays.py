@@ -16,7 +16,7 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, Ray, enter_picture
-from refdof.optics.systems.lens_map import lens_map_ray
+from refdof.optics.systems.lens_map import lens_map_block, new_scratch
 
 __all__ = ["aim", "brightness", "cut_rays", "enter", "is_missed", "is_system", "new_system_memory"]
 
@@ -86,20 +86,25 @@ def _aim_system(lens_map, shared, own, k, lens, center, rays):
     scalar, projection = rays.dtype.type, shared.projection
     pixels = projection.pixels_per_tangent
     middle_x, middle_y = 0.5 * projection.width, 0.5 * projection.height
-    good = -1
+    mine, good = own[:, k], -1
     for n in range(len(lens)):
-        x, y, dx, dy, weight = lens_map_ray(lens_map, center[0], center[1], lens[n, 0], lens[n, 1], shared.wavelength)
+        mine[0, n], mine[1, n], mine[2, n], mine[3, n] = lens[n, 0], lens[n, 1], center[0], center[1]
+    scratch = new_scratch()
+    lens_map_block(
+        lens_map, shared.wavelength, scratch, mine[2], mine[3], mine[0], mine[1], mine[2], mine[3], mine[4]
+    )
+    for n in range(len(lens)):
+        x, y, dx, dy = mine[0, n], mine[1, n], mine[2, n], mine[3, n]
         rays[0, n], rays[1, n] = scalar(middle_x + pixels * dx), scalar(middle_y - pixels * dy)
         rays[2, n], rays[3, n] = scalar(x / projection.lens_radius), scalar(-y / projection.lens_radius)
-        own[4, k, n] = weight
-        if weight != 0.0:
+        if mine[4, n] != 0.0:
             good = n
     for n in range(len(lens)):
-        if own[4, k, n] == 0.0 and good >= 0:
+        if mine[4, n] == 0.0 and good >= 0:
             for c in range(4):
                 rays[c, n] = rays[c, good]
         for c in range(4):
-            own[c, k, n] = rays[c, n]
+            mine[c, n] = rays[c, n]
 
 
 @inline

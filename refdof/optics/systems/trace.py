@@ -8,7 +8,8 @@ For one ray and one surface after the other, `_refract`:
 4. refract by Snell's law in vector form, or stop if all light is reflected
 
 With c the curvature, p the nearest point from the vertex and d the unit direction, the distance t to the sphere solves
-c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. Its smaller root's square root is the cosine of the angle of incidence.
+c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. The root of a quarter of its discriminant is the cosine of the angle of
+incidence. Rays are lines: the first surface may lie behind a ray's origin.
 
 References
 ----------
@@ -25,11 +26,21 @@ from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
 from refdof.optics.systems.system import LensSystem
 
-__all__ = ["SurfaceTable", "Traced", "table_of", "trace", "trace_path", "trace_ray", "traced"]
+__all__ = [
+    "BLOCK",
+    "SurfaceTable",
+    "Traced",
+    "refract_block",
+    "surface_at",
+    "table_of",
+    "trace",
+    "trace_path",
+    "trace_ray",
+    "traced",
+]
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
-_BLOCK = 64  # rays whose numbers stay in the nearest cache
-_ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
+BLOCK = 64  # rays whose numbers stay in the nearest cache
 
 
 class SurfaceTable(NamedTuple):
@@ -128,24 +139,24 @@ def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float
 
 @kernel
 def _trace(table, reverse, origins, directions, ends, ways, passed):
-    """Fill ends, ways (N, 3) and passed (N,), a block of rays at a time: 7 numbers each, one kind after the other."""
+    """Fill ends, ways (N, 3) and passed (N,), a block of rays at a time."""
     count, scalar = len(origins), table.vertex.dtype.type
-    for block in prange((count + _BLOCK - 1) // _BLOCK):
-        rays = np.zeros(7 * _BLOCK, dtype=table.vertex.dtype)
-        first = block * _BLOCK
-        here = min(_BLOCK, count - first)
+    for block in prange((count + BLOCK - 1) // BLOCK):
+        rays = np.zeros(7 * BLOCK, dtype=table.vertex.dtype)
+        first = block * BLOCK
+        here = min(BLOCK, count - first)
         for i in range(here):
             for axis in range(3):
-                rays[axis * _BLOCK + i] = origins[first + i, axis]
-                rays[(3 + axis) * _BLOCK + i] = directions[first + i, axis]
-            rays[6 * _BLOCK + i] = scalar(1.0)
+                rays[axis * BLOCK + i] = origins[first + i, axis]
+                rays[(3 + axis) * BLOCK + i] = directions[first + i, axis]
+            rays[6 * BLOCK + i] = scalar(1.0)
         for step in range(len(table.vertex)):
-            _refract_block(_surface_at(table, reverse, step), rays)
+            refract_block(surface_at(table, reverse, step), rays)
         for i in range(here):
             for axis in range(3):
-                ends[first + i, axis] = rays[axis * _BLOCK + i]
-                ways[first + i, axis] = rays[(3 + axis) * _BLOCK + i]
-            passed[first + i] = rays[6 * _BLOCK + i] > scalar(0.0)
+                ends[first + i, axis] = rays[axis * BLOCK + i]
+                ways[first + i, axis] = rays[(3 + axis) * BLOCK + i]
+            passed[first + i] = rays[6 * BLOCK + i] > scalar(0.0)
 
 
 @inline
@@ -154,7 +165,7 @@ def trace_ray(table, reverse, x, y, z, dx, dy, dz):
     scalar = table.vertex.dtype.type
     going = scalar(1.0)
     for step in range(len(table.vertex)):
-        x, y, z, dx, dy, dz, going = _refract(_surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
+        x, y, z, dx, dy, dz, going = _refract(surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
         if going == scalar(0.0):
             break
     return x, y, z, dx, dy, dz, going > scalar(0.0)
@@ -168,35 +179,36 @@ class _Face(NamedTuple):
     rim: float
     ratio: float  # index before over index behind
     forward: float  # 1; -1 for a ray from the sensor
-    behind: float  # how far back the ray may run to it [mm]
 
 
 @inline
-def _surface_at(table, reverse, step):
-    """The surface that a ray meets after `step` others; to the first it may run back from its origin."""
-    scalar = table.vertex.dtype.type
+def surface_at(table, reverse, step):
+    """The surface that a ray meets after `step` others."""
     k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
-    forward, behind = scalar(-1.0 if reverse else 1.0), scalar(-_ROUNDING if step > 0 else -np.inf)
-    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward, behind)
+    forward = table.vertex.dtype.type(-1.0 if reverse else 1.0)
+    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward)
 
 
 @inline
-def _refract_block(face, rays):
-    """`_refract` for a block of rays; compilers vectorise it."""
-    for i in range(_BLOCK):
+def refract_block(face, rays):
+    """Take a block of rays (7 BLOCK,) through a surface in place: all x, all y, all z, the directions', and 1 or 0.
+
+    1 is a ray that goes on, 0 one that was stopped. Distances in memory are constants: compilers vectorise this.
+    """
+    for i in range(BLOCK):
         x, y, z, dx, dy, dz, going = _refract(
             face,
             rays[i],
-            rays[_BLOCK + i],
-            rays[2 * _BLOCK + i],
-            rays[3 * _BLOCK + i],
-            rays[4 * _BLOCK + i],
-            rays[5 * _BLOCK + i],
-            rays[6 * _BLOCK + i],
+            rays[BLOCK + i],
+            rays[2 * BLOCK + i],
+            rays[3 * BLOCK + i],
+            rays[4 * BLOCK + i],
+            rays[5 * BLOCK + i],
+            rays[6 * BLOCK + i],
         )
-        rays[i], rays[_BLOCK + i], rays[2 * _BLOCK + i] = x, y, z
-        rays[3 * _BLOCK + i], rays[4 * _BLOCK + i], rays[5 * _BLOCK + i] = dx, dy, dz
-        rays[6 * _BLOCK + i] = going
+        rays[i], rays[BLOCK + i], rays[2 * BLOCK + i] = x, y, z
+        rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx, dy, dz
+        rays[6 * BLOCK + i] = going
 
 
 @inline
@@ -204,11 +216,11 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     """A ray at one surface, without a branch. going: 1, or 0 if it was stopped; then it stays as it is."""
     one = face.forward * face.forward
     zero = one - one
-    z -= face.vertex
+    away = z - face.vertex
 
     # Go to the ray's point nearest to the vertex, and from there to the sphere.
-    along = -(x * dx + y * dy + z * dz)
-    px, py, pz = x + along * dx, y + along * dy, z + along * dz
+    along = -(x * dx + y * dy + away * dz)
+    px, py, pz = x + along * dx, y + along * dy, away + along * dz
     excess = face.curvature * (px * px + py * py + pz * pz) - (pz + pz)
     square = dz * dz - face.curvature * excess
     met = (going > zero) & (square > zero) & (face.forward * dz > zero)
@@ -216,9 +228,9 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     onward = excess / (dz + face.forward * cosine if met else one)
     hx, hy, hz = px + onward * dx, py + onward * dy, pz + onward * dz
 
-    # Stop at the rim, on the sphere's far half, and where the surface lies behind the one before.
+    # Stop at the rim and on the sphere's far half.
     facing = one - face.curvature * hz
-    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero) & (along + onward >= face.behind)
+    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero)
 
     # Refract: the normal is (-c x, -c y, 1 - c z). Where all light is reflected, stop.
     bends = face.ratio != one
@@ -229,5 +241,5 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     dx = face.ratio * dx - bend * hx if through else dx
     dy = face.ratio * dy - bend * hy if through else dy
     dz = face.ratio * dz + turn * facing if through else dz
-    x, y, z = hx if met else x, hy if met else y, hz if met else z
-    return x, y, z + face.vertex, dx, dy, dz, one if through else zero
+    x, y, z = hx if met else x, hy if met else y, hz + face.vertex if met else z
+    return x, y, z, dx, dy, dz, one if through else zero

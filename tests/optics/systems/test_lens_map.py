@@ -12,7 +12,7 @@ import pytest
 from refdof._check import InputError
 from refdof.optics.camera import Camera
 from refdof.optics.systems.glass import Glass, glass_of
-from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, lens_map_of, lens_map_rays
+from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, lens_map_of, lens_map_ray, lens_map_rays
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, stopped_down
 from refdof.optics.systems.system import ThickLens
 from tests.optics.systems.lenses import double_gauss, singlet
@@ -139,6 +139,14 @@ def test_units_of_length_change_nothing():
     one, two = (rays_of(lens_map, 10.0, 20.0)[0] for lens_map in (metres, small))
     assert two[:, :2] == pytest.approx(1000.0 * one[:, :2], rel=1e-12)
     assert (two[:, 2:] == one[:, 2:]).all()
+
+
+def test_a_ray_alone_is_the_ray_of_a_block():
+    """Renderers may ask for one ray at a time; both ways make the same bits."""
+    lens_map, places = focused(2.0), np.random.default_rng(2).uniform(0.0, 64.0, (100, 2))
+    rays, weights = lens_map_rays(lens_map, places, SQUARE[:100])
+    for k in range(100):
+        assert lens_map_ray(lens_map, *places[k], *SQUARE[k], 0) == (*rays[k], weights[k])
 
 
 def test_outside_the_reach_no_light_comes():
