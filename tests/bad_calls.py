@@ -550,8 +550,9 @@ INNER |= {
     f"refdof.optics.systems.{word}"
     for word in (
         "trace.SurfaceTable", "trace.Traced", "trace.table_of", "trace.trace_ray", "trace.traced",
-        "paraxial.CardinalPoints", "paraxial.Pupil", "pupil.PupilBounds", "pupil.bounds_at", "pupil.joined_boxes",
-        "lens_map.LensMap", "lens_map.lens_map_ray", "lens_map.lens_map_rays",
+        "trace.refract_block", "trace.surface_at", "paraxial.CardinalPoints", "paraxial.Pupil", "pupil.PupilBounds",
+        "pupil.bounds_at", "pupil.joined_boxes", "lens_map.LensMap", "lens_map.lens_map_block",
+        "lens_map.lens_map_ray", "lens_map.lens_map_rays",
     )
 }  # fmt: skip
 INNER |= {

@@ -2,10 +2,10 @@
 
 For a place in the image [px], a point of the unit square and a wavelength, `lens_map_ray`:
 
-1. find the sensor's point, which the lens has turned upside down
-2. pick a point of the exit pupil's box, turned about the axis to where the sensor point is   `bounds_at`
-3. trace backwards through the lens                                                           `trace_ray`
-4. put the ray into camera space, and weigh it by the box's area and the angle's cosine^4
+1. find the sensor's point, which the lens has turned upside down, and pick a point of the exit pupil's box, turned
+   about the axis to where the sensor point is; weigh it by the box's area and the angle's cosine^4       `_aim`
+2. trace backwards through the lens                                                                       `trace_ray`
+3. put the ray into camera space                                                                          `_arrive`
 
 The entrance pupil is at the eye: its centre is what perspective is drawn from, and its plane is depth 0. The lens is
 focused by moving the sensor: a point of the axis at the focus distance is sharp, but for aberrations.
@@ -32,9 +32,9 @@ from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for
 from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, pupil_bounds
 from refdof.optics.systems.system import LensSystem
-from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray, traced
+from refdof.optics.systems.trace import BLOCK, SurfaceTable, refract_block, surface_at, table_of, trace_ray, traced
 
-__all__ = ["RGB_WAVELENGTHS", "LensMap", "lens_map_of", "lens_map_ray", "lens_map_rays"]
+__all__ = ["RGB_WAVELENGTHS", "LensMap", "lens_map_block", "lens_map_of", "lens_map_ray", "lens_map_rays"]
 
 RGB_WAVELENGTHS = (0.650, 0.510, 0.475)  # [um], of red, green and blue, [2]
 
@@ -173,10 +173,44 @@ def lens_map_rays(lens_map: LensMap, places: Float, squares: Float, wavelength: 
 
 @kernel
 def _map_rays(lens_map, places, squares, wavelength, rays, weights):
-    """Fill rays (N, 4) and weights (N,)."""
-    for r in prange(len(places)):
-        ray = lens_map_ray(lens_map, places[r, 0], places[r, 1], squares[r, 0], squares[r, 1], wavelength)
-        rays[r, 0], rays[r, 1], rays[r, 2], rays[r, 3], weights[r] = ray
+    """Fill rays (N, 4) and weights (N,), a block at a time."""
+    for block in prange((len(places) + BLOCK - 1) // BLOCK):
+        begin, end = block * BLOCK, min((block + 1) * BLOCK, len(places))
+        numbers, scratch = np.empty((6, end - begin)), np.empty(7 * BLOCK)
+        for k in range(begin, end):
+            numbers[0, k - begin], numbers[1, k - begin] = places[k, 0], places[k, 1]
+            numbers[2, k - begin], numbers[3, k - begin] = squares[k, 0], squares[k, 1]
+        columns, rows, x, y, dx, dy = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]
+        lens_map_block(lens_map, wavelength, scratch, columns, rows, x, y, dx, dy, weights[begin:end])
+        for k in range(begin, end):
+            for axis in range(4):
+                rays[k, axis] = numbers[2 + axis, k - begin]
+
+
+@inline
+def lens_map_block(lens_map, wavelength, scratch, columns, rows, x, y, dx, dy, weights):
+    """`lens_map_ray` for arrays (N,) of any length, with the same bits and vectorised.
+
+    x and y hold the square's points, and then the rays'; scratch is (7 BLOCK,).
+    """
+    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, lens_map.ratios[wavelength])
+    for first in range(0, len(x), BLOCK):
+        here = min(BLOCK, len(x) - first)
+        scratch[:] = 0.0
+        for i in range(here):
+            k = first + i
+            px, py, wx, wy, wz, weights[k] = _aim(lens_map, columns[k], rows[k], x[k], y[k])
+            scratch[i], scratch[BLOCK + i], scratch[2 * BLOCK + i] = px, py, lens_map.sensor
+            scratch[3 * BLOCK + i], scratch[4 * BLOCK + i], scratch[5 * BLOCK + i] = wx, wy, wz
+            scratch[6 * BLOCK + i] = 1.0
+        for step in range(len(table.vertex)):
+            refract_block(surface_at(table, True, step), scratch)
+        for i in range(here):
+            k = first + i
+            px, py, pz = scratch[i], scratch[BLOCK + i], scratch[2 * BLOCK + i]
+            wx, wy, wz = scratch[3 * BLOCK + i], scratch[4 * BLOCK + i], scratch[5 * BLOCK + i]
+            weight = weights[k] * scratch[6 * BLOCK + i]
+            x[k], y[k], dx[k], dy[k], weights[k] = _arrive(lens_map, px, py, pz, wx, wy, wz, weight)
 
 
 @inline
@@ -186,13 +220,22 @@ def lens_map_ray(lens_map, column, row, u, v, wavelength):
     The ray passes (x, y, 0) in camera space, in scene units, and runs along (slope_x, slope_y, -1). A ray that does not
     pass has weight 0, and is the axis.
     """
-    bounds = PupilBounds(lens_map.plane, lens_map.sensor, lens_map.reach, lens_map.boxes)
+    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, lens_map.ratios[wavelength])
+    x, y, dx, dy, dz, weight = _aim(lens_map, column, row, u, v)
+    x, y, z, dx, dy, dz, passed = trace_ray(table, True, x, y, lens_map.sensor, dx, dy, dz)
+    return _arrive(lens_map, x, y, z, dx, dy, dz, weight if passed else 0.0)
+
+
+@inline
+def _aim(lens_map, column, row, u, v):
+    """Sensor point (x, y), unit direction to the exit pupil, and the weight, 0 where the pupil is empty."""
     sensor_x = (0.5 * lens_map.width - column) * lens_map.pitch
     sensor_y = (row - 0.5 * lens_map.height) * lens_map.pitch
     radius = np.sqrt(sensor_x * sensor_x + sensor_y * sensor_y)
     turn_x, turn_y = (sensor_x / radius, sensor_y / radius) if radius > 0.0 else (1.0, 0.0)
 
     # Pick a point of the box, as if the sensor point were (radius, 0), and turn it.
+    bounds = PupilBounds(lens_map.plane, lens_map.sensor, lens_map.reach, lens_map.boxes)
     x0, x1, y1 = bounds_at(bounds, radius)
     along, across = x0 + (x1 - x0) * u, y1 * (2.0 * v - 1.0)
     dx = turn_x * along - turn_y * across - sensor_x
@@ -200,15 +243,14 @@ def lens_map_ray(lens_map, column, row, u, v, wavelength):
     dz = bounds.plane - bounds.sensor
     square = dz * dz / (dx * dx + dy * dy + dz * dz)
     scale = np.sqrt(square) / -dz
+    weight = 2.0 * y1 * (x1 - x0) * square * square * lens_map.inverse_centre
+    return sensor_x, sensor_y, dx * scale, dy * scale, dz * scale, weight
 
-    # Trace it, and go on to the plane of the eye.
-    ratio = lens_map.ratios[wavelength]
-    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, ratio)
-    x, y, z, dx, dy, dz, passed = trace_ray(
-        table, True, sensor_x, sensor_y, bounds.sensor, dx * scale, dy * scale, dz * scale
-    )
-    if not (passed and x1 > x0 and dz < 0.0):
+
+@inline
+def _arrive(lens_map, x, y, z, dx, dy, dz, weight):
+    """The traced ray at the plane of the eye, in scene units: (x, y, slope_x, slope_y), weight."""
+    if not (weight > 0.0 and dz < 0.0):
         return 0.0, 0.0, 0.0, 0.0, 0.0
     slope_x, slope_y, depth = -dx / dz, -dy / dz, z - lens_map.eye
-    weight = 2.0 * y1 * (x1 - x0) * square * square * lens_map.inverse_centre
     return (x + depth * slope_x) * lens_map.scale, (y + depth * slope_y) * lens_map.scale, slope_x, slope_y, weight

@@ -1,6 +1,6 @@
 """Trace: rays through a lens system, by the sphere and Snell's law at every surface.
 
-For one ray and one surface after the other, `trace_ray`:
+For one ray and one surface after the other, `_refract`:
 
 1. go to the ray's point that is nearest to the surface's vertex
 2. from there to the sphere, in a form without division by the curvature: flat surfaces are no special case
@@ -25,9 +25,21 @@ from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
 from refdof.optics.systems.system import LensSystem
 
-__all__ = ["SurfaceTable", "Traced", "table_of", "trace", "trace_path", "trace_ray", "traced"]
+__all__ = [
+    "BLOCK",
+    "SurfaceTable",
+    "Traced",
+    "refract_block",
+    "surface_at",
+    "table_of",
+    "trace",
+    "trace_path",
+    "trace_ray",
+    "traced",
+]
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
+BLOCK = 64  # rays whose numbers stay in the nearest cache
 _ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
 
 
@@ -109,11 +121,12 @@ def _rays(origins: Any, directions: Any) -> tuple[Float, Float]:
     """Validated rays of one float type, with unit directions."""
     origins = as_float("origins", origins, (None, 3), minimum=-_FARTHEST, maximum=_FARTHEST)
     directions = as_float("directions", directions, (len(origins), 3), dtype=np.float64)
-    largest = np.abs(directions).max(axis=1, initial=0.0, keepdims=True)
+    size = np.abs(directions)
+    largest = np.maximum(np.maximum(size[:, 0], size[:, 1]), size[:, 2])[:, None]
     if (largest == 0.0).any():
         raise InputError(f"directions: got {int((largest == 0.0).sum())} of length 0; allowed are others")
     directions = directions / largest
-    directions /= np.sqrt((directions**2).sum(axis=1, keepdims=True))
+    directions /= np.sqrt(np.einsum("ij,ij->i", directions, directions))[:, None]
     return origins, directions.astype(origins.dtype)
 
 
@@ -126,53 +139,109 @@ def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float
 
 @kernel
 def _trace(table, reverse, origins, directions, ends, ways, passed):
-    """Fill ends, ways (N, 3) and passed (N,)."""
-    for r in prange(len(origins)):
-        x, y, z = origins[r, 0], origins[r, 1], origins[r, 2]
-        dx, dy, dz = directions[r, 0], directions[r, 1], directions[r, 2]
-        x, y, z, dx, dy, dz, through = trace_ray(table, reverse, x, y, z, dx, dy, dz)
-        ends[r, 0], ends[r, 1], ends[r, 2] = x, y, z
-        ways[r, 0], ways[r, 1], ways[r, 2] = dx, dy, dz
-        passed[r] = through
+    """Fill ends, ways (N, 3) and passed (N,), a block of rays at a time."""
+    count, scalar = len(origins), table.vertex.dtype.type
+    for block in prange((count + BLOCK - 1) // BLOCK):
+        rays = np.zeros(7 * BLOCK, dtype=table.vertex.dtype)
+        first = block * BLOCK
+        here = min(BLOCK, count - first)
+        for i in range(here):
+            for axis in range(3):
+                rays[axis * BLOCK + i] = origins[first + i, axis]
+                rays[(3 + axis) * BLOCK + i] = directions[first + i, axis]
+            rays[6 * BLOCK + i] = scalar(1.0)
+        for step in range(len(table.vertex)):
+            refract_block(surface_at(table, reverse, step), rays)
+        for i in range(here):
+            for axis in range(3):
+                ends[first + i, axis] = rays[axis * BLOCK + i]
+                ways[first + i, axis] = rays[(3 + axis) * BLOCK + i]
+            passed[first + i] = rays[6 * BLOCK + i] > scalar(0.0)
 
 
 @inline
 def trace_ray(table, reverse, x, y, z, dx, dy, dz):
     """Point (x, y, z), direction and whether the ray passed; the direction is a unit vector, before and after."""
     scalar = table.vertex.dtype.type
-    zero, one, two, behind = scalar(0.0), scalar(1.0), scalar(2.0), scalar(-_ROUNDING)
-    forward, side = (-one, 1) if reverse else (one, 0)
-    count = len(table.vertex)
-    for step in range(count):
-        k = count - 1 - step if reverse else step
-        vertex, curvature = table.vertex[k], table.curvature[k]
+    going = scalar(1.0)
+    for step in range(len(table.vertex)):
+        x, y, z, dx, dy, dz, going = _refract(surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
+        if going == scalar(0.0):
+            break
+    return x, y, z, dx, dy, dz, going > scalar(0.0)
 
-        # Go to the ray's point nearest to the vertex, and from there to the sphere.
-        z -= vertex
-        along = -(x * dx + y * dy + z * dz)
-        px, py, pz = x + along * dx, y + along * dy, z + along * dz
-        excess = curvature * (px * px + py * py + pz * pz) - two * pz
-        square = dz * dz - curvature * excess
-        if not (square > zero and forward * dz > zero):
-            return x, y, z + vertex, dx, dy, dz, False
-        cosine = np.sqrt(square)
-        onward = excess / (dz + forward * cosine)
-        x, y, z = px + onward * dx, py + onward * dy, pz + onward * dz
 
-        # Stop at the rim, on the sphere's far half, and where the surface lies behind the one before.
-        facing = one - curvature * z
-        if x * x + y * y > table.rim[k] or facing <= zero or (step > 0 and along + onward < behind):
-            return x, y, z + vertex, dx, dy, dz, False
+class _Face(NamedTuple):
+    """One surface, as a ray meets it: numbers of one type."""
 
-        # Refract: the normal is (-c x, -c y, 1 - c z).
-        ratio = table.ratio[side, k]
-        if ratio != one:
-            refracted = one - ratio * ratio * (one - square)
-            if refracted <= zero:
-                return x, y, z + vertex, dx, dy, dz, False
-            turn = forward * (np.sqrt(refracted) - ratio * cosine)
-            dx = ratio * dx - turn * curvature * x
-            dy = ratio * dy - turn * curvature * y
-            dz = ratio * dz + turn * facing
-        z += vertex
-    return x, y, z, dx, dy, dz, True
+    vertex: float
+    curvature: float
+    rim: float
+    ratio: float  # index before over index behind
+    forward: float  # 1; -1 for a ray from the sensor
+    behind: float  # how far back the ray may run to it [mm]
+
+
+@inline
+def surface_at(table, reverse, step):
+    """The surface that a ray meets after `step` others; to the first it may run back from its origin."""
+    scalar = table.vertex.dtype.type
+    k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
+    forward, behind = scalar(-1.0 if reverse else 1.0), scalar(-_ROUNDING if step > 0 else -np.inf)
+    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward, behind)
+
+
+@inline
+def refract_block(face, rays):
+    """Take a block of rays (7 BLOCK,) through a surface in place: all x, all y, all z, the directions', and 1 or 0.
+
+    1 is a ray that goes on, 0 one that was stopped. Distances in memory are constants: compilers vectorise this.
+    """
+    for i in range(BLOCK):
+        x, y, z, dx, dy, dz, going = _refract(
+            face,
+            rays[i],
+            rays[BLOCK + i],
+            rays[2 * BLOCK + i],
+            rays[3 * BLOCK + i],
+            rays[4 * BLOCK + i],
+            rays[5 * BLOCK + i],
+            rays[6 * BLOCK + i],
+        )
+        rays[i], rays[BLOCK + i], rays[2 * BLOCK + i] = x, y, z
+        rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx, dy, dz
+        rays[6 * BLOCK + i] = going
+
+
+@inline
+def _refract(face, x, y, z, dx, dy, dz, going):
+    """A ray at one surface, without a branch. going: 1, or 0 if it was stopped; then it stays as it is."""
+    one = face.forward * face.forward
+    zero = one - one
+    z -= face.vertex
+
+    # Go to the ray's point nearest to the vertex, and from there to the sphere.
+    along = -(x * dx + y * dy + z * dz)
+    px, py, pz = x + along * dx, y + along * dy, z + along * dz
+    excess = face.curvature * (px * px + py * py + pz * pz) - (pz + pz)
+    square = dz * dz - face.curvature * excess
+    met = (going > zero) & (square > zero) & (face.forward * dz > zero)
+    cosine = np.sqrt(square if met else one)
+    onward = excess / (dz + face.forward * cosine if met else one)
+    hx, hy, hz = px + onward * dx, py + onward * dy, pz + onward * dz
+
+    # Stop at the rim, on the sphere's far half, and where the surface lies behind the one before.
+    facing = one - face.curvature * hz
+    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero) & (along + onward >= face.behind)
+
+    # Refract: the normal is (-c x, -c y, 1 - c z). Where all light is reflected, stop.
+    bends = face.ratio != one
+    refracted = one - face.ratio * face.ratio * (one - square) if bends else one
+    through = inside & (refracted > zero)
+    turn = face.forward * (np.sqrt(refracted if through else one) - face.ratio * cosine) if bends else zero
+    bend = turn * face.curvature
+    dx = face.ratio * dx - bend * hx if through else dx
+    dy = face.ratio * dy - bend * hy if through else dy
+    dz = face.ratio * dz + turn * facing if through else dz
+    x, y, z = hx if met else x, hy if met else y, hz if met else z
+    return x, y, z + face.vertex, dx, dy, dz, one if through else zero

@@ -19,7 +19,7 @@ RAYS, WAVELENGTH = 1000, 0.51  # [um]
 
 # Radius (inf: flat), thickness, index or glass behind, semi-diameter, stop. Written out again: nothing here is the
 # project's own.
-LENSES = {
+LENSES: dict[str, list] = {
     "double_gauss": [
         (29.475, 3.76, 1.67, 12.6, False),
         (84.83, 0.12, 1.0, 12.6, False),

@@ -4,6 +4,7 @@ Not among the fast tests, which are interpreted: the exit pupil's bounds take hu
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from refdof._check import InputError
 from refdof.optics.camera import Camera
 from refdof.optics.systems.glass import Glass, glass_of
-from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, lens_map_of, lens_map_rays
+from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, lens_map_of, lens_map_ray, lens_map_rays
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, stopped_down
 from refdof.optics.systems.system import ThickLens
 from tests.optics.systems.lenses import double_gauss, singlet
@@ -20,6 +21,11 @@ CAMERA = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=24.0, size=(96, 64))
 FILM = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), size=(360, 240))  # 36 x 24 mm at 0.1 mm / px
 GREEN = (0.5876,)
 SQUARE = np.random.default_rng(1).uniform(0.0, 1.0, (4000, 2))
+
+
+@cache
+def focused(distance):
+    return lens_map_of(double_gauss(), CAMERA, distance, wavelengths_um=GREEN)
 
 
 def rays_of(lens_map, column, row, wavelength=0):
@@ -65,7 +71,7 @@ def test_blur_of_a_real_lens_is_the_thin_lenss_circle():
 
 
 def test_the_image_is_upright():
-    lens_map = lens_map_of(double_gauss(), CAMERA, 3.0, wavelengths_um=GREEN)
+    lens_map = focused(3.0)
     for column, row, signs in ((80.0, 10.0, (1, 1)), (10.0, 10.0, (-1, 1)), (80.0, 60.0, (1, -1))):
         rays, _ = rays_of(lens_map, column, row)
         middle = at(rays, 3.0).mean(axis=0)
@@ -128,15 +134,23 @@ def test_blue_is_focused_nearer_than_red():
 
 def test_units_of_length_change_nothing():
     """In millimetres the same picture has the same rays, a thousand times as long."""
-    metres = lens_map_of(double_gauss(), CAMERA, 2.0, wavelengths_um=GREEN)
+    metres = focused(2.0)
     small = lens_map_of(double_gauss(), CAMERA, 2000.0, wavelengths_um=GREEN, millimetres=1.0)
     one, two = (rays_of(lens_map, 10.0, 20.0)[0] for lens_map in (metres, small))
     assert two[:, :2] == pytest.approx(1000.0 * one[:, :2], rel=1e-12)
     assert (two[:, 2:] == one[:, 2:]).all()
 
 
+def test_a_ray_alone_is_the_ray_of_a_block():
+    """Renderers may ask for one ray at a time; both ways make the same bits."""
+    lens_map, places = focused(2.0), np.random.default_rng(2).uniform(0.0, 64.0, (100, 2))
+    rays, weights = lens_map_rays(lens_map, places, SQUARE[:100])
+    for k in range(100):
+        assert lens_map_ray(lens_map, *places[k], *SQUARE[k], 0) == (*rays[k], weights[k])
+
+
 def test_outside_the_reach_no_light_comes():
-    lens_map = lens_map_of(double_gauss(), CAMERA, 2.0, wavelengths_um=GREEN)
+    lens_map = focused(2.0)
     rays, weights = rays_of(lens_map, 500.0, 20.0)
     assert rays.shape == (0, 4)
     assert (weights == 0.0).all()
@@ -171,6 +185,6 @@ def test_bad_calls(words, start):
     ],
 )
 def test_bad_rays(words, start):
-    lens_map = lens_map_of(double_gauss(), CAMERA, 2.0, wavelengths_um=GREEN)
+    lens_map = focused(2.0)
     with pytest.raises(InputError, match=f"^{start}"):
         lens_map_rays(**{"lens_map": lens_map, "places": [[1.0, 1.0]], "squares": [[0.5, 0.5]], **words})

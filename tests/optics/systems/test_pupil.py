@@ -20,10 +20,10 @@ SENSOR = sensor_for(double_gauss(), math.inf)
 HEIGHTS = (0.0, 10.0, 18.0, 21.6)  # [mm] on the film
 
 
-def disc(radius, count, seed):
-    """Points of a disc, even in area."""
-    random = np.random.default_rng(seed)
-    turn, size = random.uniform(0.0, 2.0 * np.pi, count), radius * np.sqrt(random.uniform(0.0, 1.0, count))
+def disc(radius, count, start):
+    """Points of a disc, even in area: a sunflower's, which leave less noise than random ones."""
+    k = np.arange(count) + 0.5
+    turn, size = start + np.pi * (3.0 - math.sqrt(5.0)) * k, radius * np.sqrt(k / count)
     return size * np.cos(turn), size * np.sin(turn)
 
 
