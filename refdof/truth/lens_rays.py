@@ -137,9 +137,8 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
                 _square_points(block, 2, column_of[column], row_of[row], seeds[2], seeds[3], dx, dy)
             else:
                 dx[:], dy[:] = 0.5, 0.5
-            _aim_rays(
-                lens_map, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights[begin:end]
-            )
+            weight = weights[begin:end]
+            _aim_rays(lens_map, scratch, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weight)
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
             call_address(traversal.packet, valid, traversal.scene, first_packet + k * stride, arguments)

@@ -90,9 +90,7 @@ def _aim_system(lens_map, shared, own, k, lens, center, rays):
     for n in range(len(lens)):
         mine[0, n], mine[1, n], mine[2, n], mine[3, n] = lens[n, 0], lens[n, 1], center[0], center[1]
     scratch = new_scratch()
-    lens_map_block(
-        lens_map, shared.wavelength, scratch, mine[2], mine[3], mine[0], mine[1], mine[2], mine[3], mine[4]
-    )
+    lens_map_block(lens_map, shared.wavelength, scratch, mine[2], mine[3], mine[0], mine[1], mine[2], mine[3], mine[4])
     for n in range(len(lens)):
         x, y, dx, dy = mine[0, n], mine[1, n], mine[2, n], mine[3, n]
         rays[0, n], rays[1, n] = scalar(middle_x + pixels * dx), scalar(middle_y - pixels * dy)
