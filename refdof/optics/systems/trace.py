@@ -118,20 +118,17 @@ def trace_path(
 
 
 def _rays(origins: Any, directions: Any) -> tuple[Float, Float]:
-    """Validated rays of one float type, with unit directions."""
+    """Validated rays of one float type."""
     origins = as_float("origins", origins, (None, 3), minimum=-_FARTHEST, maximum=_FARTHEST)
-    directions = as_float("directions", directions, (len(origins), 3), dtype=np.float64)
-    size = np.abs(directions)
-    largest = np.maximum(np.maximum(size[:, 0], size[:, 1]), size[:, 2])[:, None]
-    if (largest == 0.0).any():
-        raise InputError(f"directions: got {int((largest == 0.0).sum())} of length 0; allowed are others")
-    directions = directions / largest
-    directions /= np.sqrt(np.einsum("ij,ij->i", directions, directions))[:, None]
-    return origins, directions.astype(origins.dtype)
+    directions = as_float("directions", directions, (len(origins), 3), dtype=origins.dtype)
+    nowhere = (directions[:, 0] == 0.0) & (directions[:, 1] == 0.0) & (directions[:, 2] == 0.0)
+    if nowhere.any():
+        raise InputError(f"directions: got {int(nowhere.sum())} of length 0; allowed are others")
+    return origins, directions
 
 
 def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float) -> Traced:
-    """`trace` behind its validation: rays of the table's type, with unit directions."""
+    """`trace` behind its validation: rays of the table's type."""
     out = Traced(np.empty_like(origins), np.empty_like(directions), np.empty(len(origins), dtype=np.bool_))
     _trace(table, reverse, origins, directions, out.origins, out.directions, out.passed)
     return out
@@ -146,9 +143,13 @@ def _trace(table, reverse, origins, directions, ends, ways, passed):
         first = block * BLOCK
         here = min(BLOCK, count - first)
         for i in range(here):
+            dx, dy, dz = directions[first + i, 0], directions[first + i, 1], directions[first + i, 2]
+            largest = max(max(abs(dx), abs(dy)), abs(dz))  # squares of others are too large, or 0
+            dx, dy, dz = dx / largest, dy / largest, dz / largest
+            scale = scalar(1.0) / np.sqrt(dx * dx + dy * dy + dz * dz)
             for axis in range(3):
                 rays[axis * BLOCK + i] = origins[first + i, axis]
-                rays[(3 + axis) * BLOCK + i] = directions[first + i, axis]
+            rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx * scale, dy * scale, dz * scale
             rays[6 * BLOCK + i] = scalar(1.0)
         for step in range(len(table.vertex)):
             refract_block(surface_at(table, reverse, step), rays)
