@@ -82,6 +82,17 @@ def lensblur(rows):
             yield Line("lensblur, 100 rays, 4 layers, town", row["blur_s"], "s", LENSBLUR_S, "the goal", 1.0)
 
 
+def optics(rows):
+    rates = rows["trace"]
+    peer = "optiland" if "optiland" in rates else "NumPy"
+    goal = 1.0 / rows["target"] if peer == "optiland" else None
+    yield Line("double Gauss, a ray", 1e6 / rates["refdof"], "us", 1e6 / rates[peer], peer, goal)
+    for row in rows["sampling"]:
+        if row["height_mm"] == 0.0:
+            what = f"rays for one that passes, f/{row['f_stop']}"
+            yield Line(what, row["bounds"], "", row["rear_disc"], "the rear disc", 1.1 if row["f_stop"] == 2.0 else 1.0)
+
+
 def memory(rows):
     for row in rows:
         yield Line(f"memory at 1920x1080, {row['name']}", row["peak_mib"][-1], "MiB", LIMIT_MIB, "the goal", 1.0)
@@ -97,6 +108,7 @@ RUNS = {
         f"reference-{scene}": ("reference.py", ["--scene", scene, "--most", "256", "--long", "1024"], reference)
         for scene in ("figures", "fence", "foliage")
     },
+    "optics": ("optics.py", [], optics),
     "memory": ("memory.py", [], memory),
 }
 

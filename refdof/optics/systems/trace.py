@@ -8,7 +8,8 @@ For one ray and one surface after the other, `_refract`:
 4. refract by Snell's law in vector form, or stop if all light is reflected
 
 With c the curvature, p the nearest point from the vertex and d the unit direction, the distance t to the sphere solves
-c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. Its smaller root's square root is the cosine of the angle of incidence.
+c t^2 - 2 d_z t + (c p^2 - 2 p_z) = 0, [1]. The root of a quarter of its discriminant is the cosine of the angle of
+incidence. Rays are lines: the first surface may lie behind a ray's origin.
 
 References
 ----------
@@ -40,7 +41,6 @@ __all__ = [
 
 _FARTHEST = 1e12  # [mm]: squares of it times curvatures stay in float32
 BLOCK = 64  # rays whose numbers stay in the nearest cache
-_ROUNDING = 1e-3  # [mm]: surfaces that touch at their rims may seem to lie the other way round by this
 
 
 class SurfaceTable(NamedTuple):
@@ -118,20 +118,17 @@ def trace_path(
 
 
 def _rays(origins: Any, directions: Any) -> tuple[Float, Float]:
-    """Validated rays of one float type, with unit directions."""
+    """Validated rays of one float type."""
     origins = as_float("origins", origins, (None, 3), minimum=-_FARTHEST, maximum=_FARTHEST)
-    directions = as_float("directions", directions, (len(origins), 3), dtype=np.float64)
-    size = np.abs(directions)
-    largest = np.maximum(np.maximum(size[:, 0], size[:, 1]), size[:, 2])[:, None]
-    if (largest == 0.0).any():
-        raise InputError(f"directions: got {int((largest == 0.0).sum())} of length 0; allowed are others")
-    directions = directions / largest
-    directions /= np.sqrt(np.einsum("ij,ij->i", directions, directions))[:, None]
-    return origins, directions.astype(origins.dtype)
+    directions = as_float("directions", directions, (len(origins), 3), dtype=origins.dtype)
+    nowhere = (directions[:, 0] == 0.0) & (directions[:, 1] == 0.0) & (directions[:, 2] == 0.0)
+    if nowhere.any():
+        raise InputError(f"directions: got {int(nowhere.sum())} of length 0; allowed are others")
+    return origins, directions
 
 
 def traced(table: SurfaceTable, reverse: bool, origins: Float, directions: Float) -> Traced:
-    """`trace` behind its validation: rays of the table's type, with unit directions."""
+    """`trace` behind its validation: rays of the table's type."""
     out = Traced(np.empty_like(origins), np.empty_like(directions), np.empty(len(origins), dtype=np.bool_))
     _trace(table, reverse, origins, directions, out.origins, out.directions, out.passed)
     return out
@@ -146,9 +143,13 @@ def _trace(table, reverse, origins, directions, ends, ways, passed):
         first = block * BLOCK
         here = min(BLOCK, count - first)
         for i in range(here):
+            dx, dy, dz = directions[first + i, 0], directions[first + i, 1], directions[first + i, 2]
+            largest = max(max(abs(dx), abs(dy)), abs(dz))  # squares of others are too large, or 0
+            dx, dy, dz = dx / largest, dy / largest, dz / largest
+            scale = scalar(1.0) / np.sqrt(dx * dx + dy * dy + dz * dz)
             for axis in range(3):
                 rays[axis * BLOCK + i] = origins[first + i, axis]
-                rays[(3 + axis) * BLOCK + i] = directions[first + i, axis]
+            rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx * scale, dy * scale, dz * scale
             rays[6 * BLOCK + i] = scalar(1.0)
         for step in range(len(table.vertex)):
             refract_block(surface_at(table, reverse, step), rays)
@@ -179,16 +180,14 @@ class _Face(NamedTuple):
     rim: float
     ratio: float  # index before over index behind
     forward: float  # 1; -1 for a ray from the sensor
-    behind: float  # how far back the ray may run to it [mm]
 
 
 @inline
 def surface_at(table, reverse, step):
-    """The surface that a ray meets after `step` others; to the first it may run back from its origin."""
-    scalar = table.vertex.dtype.type
+    """The surface that a ray meets after `step` others."""
     k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
-    forward, behind = scalar(-1.0 if reverse else 1.0), scalar(-_ROUNDING if step > 0 else -np.inf)
-    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward, behind)
+    forward = table.vertex.dtype.type(-1.0 if reverse else 1.0)
+    return _Face(table.vertex[k], table.curvature[k], table.rim[k], table.ratio[side, k], forward)
 
 
 @inline
@@ -218,11 +217,11 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     """A ray at one surface, without a branch. going: 1, or 0 if it was stopped; then it stays as it is."""
     one = face.forward * face.forward
     zero = one - one
-    z -= face.vertex
+    away = z - face.vertex
 
     # Go to the ray's point nearest to the vertex, and from there to the sphere.
-    along = -(x * dx + y * dy + z * dz)
-    px, py, pz = x + along * dx, y + along * dy, z + along * dz
+    along = -(x * dx + y * dy + away * dz)
+    px, py, pz = x + along * dx, y + along * dy, away + along * dz
     excess = face.curvature * (px * px + py * py + pz * pz) - (pz + pz)
     square = dz * dz - face.curvature * excess
     met = (going > zero) & (square > zero) & (face.forward * dz > zero)
@@ -230,9 +229,9 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     onward = excess / (dz + face.forward * cosine if met else one)
     hx, hy, hz = px + onward * dx, py + onward * dy, pz + onward * dz
 
-    # Stop at the rim, on the sphere's far half, and where the surface lies behind the one before.
+    # Stop at the rim and on the sphere's far half.
     facing = one - face.curvature * hz
-    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero) & (along + onward >= face.behind)
+    inside = met & (hx * hx + hy * hy <= face.rim) & (facing > zero)
 
     # Refract: the normal is (-c x, -c y, 1 - c z). Where all light is reflected, stop.
     bends = face.ratio != one
@@ -243,5 +242,5 @@ def _refract(face, x, y, z, dx, dy, dz, going):
     dx = face.ratio * dx - bend * hx if through else dx
     dy = face.ratio * dy - bend * hy if through else dy
     dz = face.ratio * dz + turn * facing if through else dz
-    x, y, z = hx if met else x, hy if met else y, hz if met else z
-    return x, y, z + face.vertex, dx, dy, dz, one if through else zero
+    x, y, z = hx if met else x, hy if met else y, hz + face.vertex if met else z
+    return x, y, z, dx, dy, dz, one if through else zero

@@ -153,6 +153,30 @@ def test_rims_missed_spheres_and_wrong_ways_block():
     assert not trace(system, [[0.0, 0.0, 0.0]], sideways, WAVELENGTH).passed[0]
 
 
+def test_the_far_half_of_a_sphere_is_no_surface():
+    """A flat ray enters the whole sphere of a half ball's dome behind the rim; its mirror image enters the dome."""
+    still = Glass("bends nothing", 1.0)
+    dome = LensSystem(
+        "dome",
+        (Surface(10.0, 60.0, still, 10.0, is_stop=True), Surface(math.inf, 1.0, AIR, 1000.0)),
+    )
+    direction = np.array([[0.995, 0.0, 0.0998]])
+    depth = math.sqrt(100.0 - 9.5**2)
+    for z, passes in ((10.0 + depth, False), (10.0 - depth, True)):
+        start = np.array([[-9.5, 0.0, z]]) - 3.0 * direction
+        assert trace(dome, start, direction, WAVELENGTH).passed[0] == passes
+
+
+def test_a_stopped_ray_stays_where_it_was_stopped():
+    system = double_gauss()
+    found = trace(system, [[12.7, 0.0, -5.0], [12.5, 0.0, -5.0]], [[0.0, 0.0, 1.0]] * 2, WAVELENGTH)
+    assert not found.passed.any()
+    # The first meets surface 1 outside its rim of 12.6 mm: its sag there is R - sqrt(R^2 - h^2).
+    assert found.origins[0] == pytest.approx([12.7, 0.0, 29.475 - math.sqrt(29.475**2 - 12.7**2)], rel=1e-14)
+    assert found.directions[0].tolist() == [0.0, 0.0, 1.0]
+    assert found.origins[1, 2] > 3.0  # the second is stopped farther in
+
+
 def test_without_rims_only_the_stop_blocks():
     table = table_of(double_gauss(), WAVELENGTH, rims=False)
     assert np.isinf(table.rim).tolist() == [k != 5 for k in range(11)]
