@@ -67,7 +67,10 @@ def test_public_names_have_a_page(extension, tmp_path):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_names_in_the_text_exist(page):
-    for name in set(re.findall(r"(?<![\w/.])refdof(?:\.[A-Za-z_]\w*)+", page.read_text())):
+    text = page.read_text()
+    for module in re.findall(r"^from (refdof\.\S+) import ", text, flags=re.MULTILINE):
+        import_module(module)
+    for name in set(re.findall(r"(?<![\w/.])refdof(?:\.[A-Za-z_]\w*)+", text)):
         value = refdof
         for part in name.split(".")[1:]:
             assert hasattr(value, part), name

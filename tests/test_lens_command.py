@@ -13,8 +13,6 @@ from refdof.cli import app, main
 from refdof.lens_cli import DRAWINGS
 from refdof.optics.systems.prescription import LENSES, load_lens, save_lens
 
-pytestmark = pytest.mark.fast
-
 
 def lens(*words):
     done = CliRunner().invoke(app, ["lens", *map(str, words)])
@@ -61,6 +59,7 @@ def test_the_drawings_are_the_same_bytes_every_time(tmp_path):
             assert {(0xC6, 0x28, 0x28), (0x15, 0x65, 0xC0)} <= colors or name == "spots.png"
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("words", "says"),
     [

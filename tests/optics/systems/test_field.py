@@ -21,8 +21,6 @@ from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system import LensSystem, Surface
 from refdof.optics.systems.trace import trace, trace_path
 
-pytestmark = pytest.mark.fast
-
 HEIGHTS = np.array([0.0, 10.0, 18.0, 21.6])
 INDEX = 1.5
 GLASS = Glass("1.5", INDEX)
@@ -59,6 +57,7 @@ def crossing(height, radius=50.0, thickness=4.0):
     return place + height / np.tan(turn), turn
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("name", ["double_gauss", "petzval", "telephoto", "wide_angle"])
 @pytest.mark.parametrize("distance", [math.inf, 5000.0])
 def test_chief_rays_pass_the_centre_of_the_stop_and_meet_the_film_at_the_height(name, distance):
@@ -73,6 +72,7 @@ def test_chief_rays_pass_the_centre_of_the_stop_and_meet_the_film_at_the_height(
     np.testing.assert_allclose(at_film[:, :2], np.column_stack([0.0 * HEIGHTS, HEIGHTS]), atol=1e-9)
 
 
+@pytest.mark.fast
 def test_a_ball_with_its_stop_at_the_centre_is_sharp_on_a_sphere_and_has_no_distortion():
     focal_length, system = ball()
     heights = np.array([0.0, 5.0, 12.0, 21.6])
@@ -84,6 +84,7 @@ def test_a_ball_with_its_stop_at_the_centre_is_sharp_on_a_sphere_and_has_no_dist
     np.testing.assert_allclose(tangential, focal_length * (cosine - 1.0), atol=1e-5)
 
 
+@pytest.mark.fast
 def test_a_symmetric_lens_at_unit_magnification_has_no_distortion():
     half = (Surface(60.0, 5.0, GLASS, 12.0), Surface(300.0, 12.0, AIR, 12.0))
     other = (Surface(-300.0, 5.0, GLASS, 12.0), Surface(-60.0, 50.0, AIR, 12.0))
@@ -98,6 +99,7 @@ def test_a_symmetric_lens_at_unit_magnification_has_no_distortion():
     assert np.abs(distortion(focused(system, math.inf), HEIGHTS, math.inf)).max() > 1e-4  # it has elsewhere
 
 
+@pytest.mark.fast
 def test_longitudinal_aberration_is_snells_law():
     system = plano_convex()
     fractions = np.linspace(0.1, 0.99, 9)
@@ -107,6 +109,7 @@ def test_longitudinal_aberration_is_snells_law():
     assert np.isnan(longitudinal_aberration(system, np.array([1.01]), math.inf, LINE_D)).all()
 
 
+@pytest.mark.fast
 def test_the_spot_of_the_axis_is_snells_law():
     system = plano_convex()
     points = spot(system, 0.0, math.inf, LINE_D, 40)
@@ -167,6 +170,7 @@ def test_the_field_of_the_double_gauss_breathes():
         assert tangent == pytest.approx(18.0 / image * ratio, rel=1e-5)
 
 
+@pytest.mark.fast
 def test_a_bundle_of_a_near_point_leaves_that_point():
     system = focused(load_lens("petzval"), 3000.0)
     chief = chief_rays(system, np.array([15.0]))

@@ -143,7 +143,7 @@ def test_a_name_that_is_no_lens_is_refused(tmp_path, monkeypatch, name):
 
 
 @pytest.mark.parametrize("suffix", GOOD)
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_a_damaged_file_is_a_lens_or_an_input_error(tmp_path, suffix, data):
     good = GOOD[suffix].encode()
