@@ -27,6 +27,8 @@ Departures from the paper
 - Peeled layers come from exact ray casting, back faces included.
 - The closed form of the footprint bounds a round lens. Texels on the rim of an image aperture have corners outside
   it; where such a point is drawn, all rays are bounded. Umbrae are those of the aperture's reach.
+- A lens system's rays are those of points of the unit square that pass the lens; a pixel is as bright as their weights
+  say, which 256 points know to half a percent. Umbrae are those of the thin lens with the same pupil.
 - Places are computed in float32, to 2^-24 of the parallax: where that is some pixels (a very wide lens), what is in
   focus no longer is.
 

@@ -60,8 +60,10 @@ class SystemLens(ThinLens):
         focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
         if f_number is not None:
             f_number, widest = as_number("f_number", f_number, above=0.0, maximum=1e4), own_f_number(system)
-            rounded = widest * (1.0 - _ROUNDED) <= f_number < widest
-            system = system if rounded else stopped_down(system, f_number)
+            if f_number < widest * (1.0 - _ROUNDED):
+                raise InputError(f"f_number: got {f_number:g}; allowed is at least the lens's own, {widest:.4g}")
+            if f_number > widest:
+                system = stopped_down(system, f_number)
         pupil = entrance_pupil(system)
         if math.isinf(pupil.z):
             raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
