@@ -15,12 +15,12 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_path
 from refdof.oracle.shaders.case import PICTURES, CaseValues, filter_of
-from refdof.oracle.shaders.drawing.slots import COUNTS, Slot
+from refdof.oracle.shaders.drawing.slots import COUNTS, Given, Slot
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
 from refdof.oracle.shaders.names import known_names, sampler_meaning, usual_number, usual_texture
 from refdof.oracle.sources import NotSupported
 
-__all__ = ["FILTERS", "Binding", "Draw", "Plan", "plan_of", "read_bindings"]
+__all__ = ["FILTERS", "Binding", "Plan", "plan_of", "read_bindings"]
 
 FILTERS = ("nearest", "linear")
 _LARGEST_FILE = 2**20
@@ -32,14 +32,6 @@ class Binding(NamedTuple):
     text: str
     tree: ast.expr
     filter: str | None = None
-
-
-class Draw(NamedTuple):
-    """What a shader is given for a case: numbers by uniform, pictures and filters by texture and sampler."""
-
-    uniforms: dict[str, list[float]]
-    textures: dict[str, Float]
-    filters: dict[str, str]
 
 
 class Plan(NamedTuple):
@@ -58,7 +50,7 @@ class Plan(NamedTuple):
         found = [names_in(binding.tree) for binding in self.uniforms.values()]
         return set().union(*(names for names in found if "coc_scale" not in names))
 
-    def values(self, case: CaseValues) -> Draw:
+    def values(self, case: CaseValues) -> Given:
         """What the shader is given for a case.
 
         Raises
@@ -78,7 +70,7 @@ class Plan(NamedTuple):
         filters = {name: one.filter or filter_of(name, one.tree, case) for name, one in self.textures.items()}
         for name, meaning in self.samplers.items():
             filters[name] = meaning if isinstance(meaning, str) else _shared(name, meaning, filters)
-        return Draw(uniforms, textures, filters)
+        return Given(uniforms, textures, filters)
 
 
 def read_bindings(file: str | os.PathLike[str]) -> dict[str, Binding]:

@@ -104,10 +104,10 @@ class ShaderSource:
         mirrored = case.numbers.get("row_step", 1.0) < 0.0 and "row_step" not in owned
         if mirrored:
             case = case_values(task, mirrored)
-        draw = self._plan.values(case)
+        given = self._plan.values(case)
         height, width = case.pictures["depth"].shape
-        message = {"do": "draw", "size": [width, height], "uniforms": draw.uniforms, "filters": draw.filters}
-        image = self._draw(message, draw.textures)
+        message = {"do": "draw", "size": [width, height], "uniforms": given.uniforms, "filters": given.filters}
+        image = self._draw(message, given.textures)
         return {"image": image[::-1] if mirrored else image}
 
     def _draw(self, message: dict[str, Any], textures: Mapping[str, Float]) -> Float:

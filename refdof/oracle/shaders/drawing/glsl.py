@@ -4,14 +4,13 @@ The only file that imports moderngl. Always the software renderer, whatever card
 where cards have 8 bits, it is the same on all machines, and a shader that never ends does not stop a display.
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 import moderngl
 import numpy as np
 
 from .glsl_text import compiler_message, has_initial_value, vertex_shader, whole_fragment
-from .slots import ShaderFault, Slot
+from .slots import Given, ShaderFault, Slot
 
 __all__ = ["GLSL"]
 
@@ -68,19 +67,13 @@ class GLSL:
             self._initial[name] = member.value
         return slots
 
-    def draw(
-        self,
-        size: tuple[int, int],
-        uniforms: Mapping[str, list[float]],
-        textures: Mapping[str, np.ndarray],
-        filters: Mapping[str, str],
-    ) -> np.ndarray:
+    def draw(self, size: tuple[int, int], given: Given) -> np.ndarray:
         """Draw a picture (H, W, 3) of `size` (W, H). Uniforms without a number have their initial value."""
         held = []
         for name, value in self._initial.items():
-            self._program[name].value = _as(value, uniforms[name]) if name in uniforms else value
-        for unit, (name, image) in enumerate(textures.items()):
-            texture = self._texture(image, linear=filters[name] == "linear")
+            self._program[name].value = _as(value, given.uniforms[name]) if name in given.uniforms else value
+        for unit, (name, image) in enumerate(given.textures.items()):
+            texture = self._texture(image, linear=given.filters[name] == "linear")
             texture.use(unit)
             self._program[name].value = unit
             held.append(texture)
