@@ -11,14 +11,11 @@ import json
 import shlex
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from refdof._check import InputError, as_choice
 from refdof.command_group import Commands
@@ -50,18 +47,20 @@ from refdof.options import (
     Threads,
     Tolerance,
     listed,
+    refuse_ignored,
+    sample_counts,
     scene_camera_lens,
     set_threads,
-    setting,
     settings_by_method,
+    settings_of,
     stages_of,
 )
+from refdof.progress import progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES, shot_of
 from refdof.truth.forecast import Forecast
-from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 from refdof.warm import warm as compile_jobs
@@ -144,15 +143,16 @@ def render(
 ) -> None:
     """Render a scene with one method."""
     set_threads(threads)
-    wanted = stages_of(steps, pixel)
+    if stages is None:
+        refuse_ignored("without --stages", "with it", steps=steps, pixel=pixel)
     if output.suffix not in SUFFIXES:
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     check_folder(output.parent, "output")
     if stages is not None:
         check_arrays_folder(stages, "stages")
-    params = dict(setting(text) for text in settings or [])
-    params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
+    params = settings_of(settings or [], seed=seed, samples=samples)
     make_params(method, params, preset)
+    wanted = stages_of(steps, pixel, [method])
     with warming_up([(method, preset)] if scene in SCENES else []):
         loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number)
     view = View(loaded, camera, lens)
@@ -196,9 +196,10 @@ def export(
     names = listed(methods) if methods is not None else with_declared_stages()
     for name in names:
         as_choice("method", name, METHODS)
+    wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     view = View(*scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number))
-    export_view(view, out, names, params, layers, stages_of(steps, pixel))
+    export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
 
@@ -224,14 +225,15 @@ def compare(
     lens_file: Lens = None,
     f_number: FNumber = None,
     seed: Seed = 0,
-    samples: Samples = 256,
+    samples: Samples = None,
     tolerance: Tolerance = None,
-    max_samples: Most = MAX_SAMPLES,
+    max_samples: Most = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare methods with a reference: writes a table, images and a report, and prints the table."""
     set_threads(threads)
+    samples, max_samples = sample_counts(samples, tolerance, max_samples)
     check_folder(out)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
@@ -240,7 +242,7 @@ def compare(
     soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
         soon = []  # compiled in parallel processes, by `compare_scene`
-    with _progress() as tell:
+    with progress_line() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             with warming_up(soon if name in SCENES and not comparisons else []):
                 scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, lens_file, f_number)
@@ -258,7 +260,7 @@ def compare(
 @app.command()
 def warm() -> None:
     """Compile everything now, in parallel, so that later runs start at once: for container images and CI."""
-    with _progress() as tell:
+    with progress_line() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
 
 
@@ -282,20 +284,6 @@ def main() -> None:
 def _fail(message: str, status: int) -> None:
     print("refdof: " + " ".join(message.split()), file=sys.stderr)
     sys.exit(status)
-
-
-@contextmanager
-def _progress() -> Iterator[Any]:
-    """A progress line on stderr, where stderr is a terminal."""
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        line = bar.add_task("scene", total=1)
-
-        def tell(what: str, done: int, count: int) -> None:
-            bar.update(line, description=what, completed=done, total=count)
-
-        yield tell
 
 
 def _announce(forecast: Forecast) -> None:

@@ -480,7 +480,7 @@ INNER_MODULES = {
     "optics.projection",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.lens_toml",
     "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
-    "image.arrays", "image.atomic", "export", "options", "warm", "oracle", "oracle_cli",
+    "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",

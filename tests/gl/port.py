@@ -1,5 +1,6 @@
-"""Ports in GLSL: their texts, and one draw of a fragment shader into any number of float targets."""
+"""Ports in GLSL: their texts, faults in them, and one draw of a fragment shader into any number of float targets."""
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -7,8 +8,9 @@ import moderngl
 import numpy as np
 
 from tests.gl import shader
+from tests.ports.cases import mutated
 
-__all__ = ["drawn", "source_of"]
+__all__ = ["drawn", "is_caught", "source_of", "with_fault"]
 
 _FOLDER = Path(__file__).parents[2] / "ports" / "glsl"
 
@@ -16,6 +18,20 @@ _FOLDER = Path(__file__).parents[2] / "ports" / "glsl"
 def source_of(name: str) -> str:
     """The text of ports/glsl/<name>.frag."""
     return (_FOLDER / f"{name}.frag").read_text()
+
+
+def with_fault(sources: Mapping[str, str], fault: tuple[str, str, str]) -> dict[str, str]:
+    """Shaders by name, with a fault in one of them: its name, what stands there, and what then does."""
+    name, old, new = fault
+    return {**sources, name: mutated(sources[name], old, new)}
+
+
+def is_caught(cases: Iterable[np.ndarray]) -> bool:
+    """Whether a fault shows in some case: `cases` are how many tolerances its stages are off, at worst.
+
+    Two tolerances: a fault must be told from a right port, and not just. NaN is a fault, too.
+    """
+    return any(not (np.asarray(worst) <= 2.0).all() for worst in cases)
 
 
 def drawn(

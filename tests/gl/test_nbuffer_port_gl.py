@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from refdof.raster.filters.n_buffer import n_buffer
-from tests.gl.port import drawn, source_of
-from tests.ports.cases import mutated
+from tests.gl.port import drawn, source_of, with_fault
 
 pytestmark = pytest.mark.gl
 
@@ -81,7 +80,6 @@ def test_every_level_has_the_same_bits(context):
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_no_planted_fault_passes(fault, context):
-    name, old, new = FAULTS[fault]
-    found = wrong(context, SOURCES | {name: mutated(SOURCES[name], old, new)})
+    found = wrong(context, with_fault(SOURCES, FAULTS[fault]))
     print(f"{fault}: {found}")
     assert found is not None

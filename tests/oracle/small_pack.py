@@ -2,15 +2,19 @@
 
 import hashlib
 import json
+import os
 import shlex
 import sys
 from functools import cache
 
 import numpy as np
+import pytest
 
 from refdof.oracle.cases import Case
 from refdof.stages import Stages
 from tests.methods.singlepass.shader32 import listing
+
+posix = pytest.mark.skipif(os.name != "posix", reason="process groups, links and pipes are POSIX's")
 
 CASES = [
     Case("cards", "singlepass", "cards", (24, 18), stages=Stages((1, 4)), tags=("staged",)),

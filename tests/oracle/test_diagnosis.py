@@ -130,6 +130,24 @@ def test_probes_show_a_shift_and_a_short_loop(pack):
     assert min(expected[2:]) > 2.0 * max(got[2:])
 
 
+def test_probes_in_which_nothing_differs_are_left_out(pack):
+    opened = open_pack(pack)
+    shots, _ = shots_of(opened, of_function(port), "impulses")
+    assert probe(of_function(port), *probed(opened, shots)) == []
+
+    y, x = np.unravel_index(np.argmax(shots[0].expected[..., 1]), shots[0].depth.shape)
+
+    def darker(color, depth, coc, params):
+        image = port(color, depth, coc, params)
+        image[y, x] *= 0.5
+        return image
+
+    shots, _ = shots_of(opened, of_function(darker), "impulses")
+    lines = probe(of_function(darker), *probed(opened, shots))
+    assert lines[2] == f"  taps of pixel ({x}, {y}):"
+    assert ["weights sum to 1.0000" in lines[3], "weights sum to 0.5000" in lines[4]] == [True, True]
+
+
 def test_the_command(pack, tmp_path):
     script = tmp_path / "port.py"
     script.write_text(

@@ -10,7 +10,7 @@ Stages, in the order of the loop:
     mean     the running mean, its start and its divisor
     image    what is done to colours before or after, and to the picture as a whole
 
-A sentence is completed with the values that were fitted.
+A sentence is completed with the values that were fitted, by `refdof.oracle.diagnosis.wording`.
 """
 
 from typing import NamedTuple
@@ -23,11 +23,18 @@ STAGES = ("coc", "size", "limit", "taps", "weight", "mean", "image")
 
 
 class Cause(NamedTuple):
-    """One mistake. `sentence` has places {…} for fitted values."""
+    """One mistake.
+
+    `sentence` has places {…} for fitted values; right: places with what a right port has there, where that is not said.
+    """
 
     key: str
     stage: str
     sentence: str
+    right: tuple[tuple[str, float], ...] = ()
+
+
+_ONE, _ZERO = (("value", 1.0),), (("value", 0.0),)
 
 
 NONE = Cause("none", "", "no difference: the results are within the bounds of all cases that were compared")
@@ -37,7 +44,7 @@ UNEXPLAINED = Cause(
 
 CAUSES = (
     # The circle of confusion, and depth before it.
-    Cause("coc_scale", "coc", "circles are {value:.4g} times as large{words}"),
+    Cause("coc_scale", "coc", "circles are {value:.4g} times as large{words}", _ONE),
     Cause("coc_near_lost", "coc", "circles before the focal plane are lost: near objects stay sharp"),
     Cause("coc_far_lost", "coc", "circles behind the focal plane are lost: far objects stay sharp"),
     Cause("coc_sign", "coc", "the sign of circles decides the order, and is flipped"),
@@ -49,9 +56,9 @@ CAUSES = (
     Cause("depth_device", "coc", "device depth (of a z-buffer) is taken as linear depth"),
     Cause("depth_radial", "coc", "depth is the distance from the eye instead of along the axis"),
     Cause("depth_quantized", "coc", "depth is rounded to {words}"),
-    Cause("depth_scale", "coc", "depth is {value:.4g} times as large{words}"),
-    Cause("depth_scale_tap", "coc", "a tap's depth is {value:.4g} times as large, the pixel's own is not"),
-    Cause("depth_scale_center", "coc", "the pixel's own depth is {value:.4g} times as large, the taps' are not"),
+    Cause("depth_scale", "coc", "depth is {value:.4g} times as large{words}", _ONE),
+    Cause("depth_scale_tap", "coc", "a tap's depth is {value:.4g} times as large, the pixel's own is not", _ONE),
+    Cause("depth_scale_center", "coc", "the pixel's own depth is {value:.4g} times as large, the taps' are not", _ONE),
     Cause("depth_constant", "coc", "depth is the same everywhere: one size of {value:.4g} px for all pixels"),
     Cause("depth_flipped", "coc", "depth is flipped {words} against colour"),
     # Sizes.
@@ -59,16 +66,14 @@ CAUSES = (
     Cause("max_blur_size", "size", "MAX_BLUR_SIZE is {value:.4g} px instead of {expected:.4g}"),
     Cause("size_cap", "size", "circles are cut at {value:.4g} px instead of {expected:.4g}, the loop is not"),
     Cause("size_rule", "size", "the size that decides is {words} instead of the tap's own"),
-    Cause("size_floor", "size", "no circle is smaller than {value:.4g} px"),
+    Cause("size_floor", "size", "no circle is smaller than {value:.4g} px", _ZERO),
     # The limit from behind.
     Cause(
         "behind_factor",
         "limit",
-        "taps from behind count up to {value} times the pixel's own size instead of {expected:.4g}",
+        "taps from behind count up to {value:.4g} times the pixel's own size instead of {expected:.4g}",
     ),
-    Cause(
-        "order_rule", "limit", "the limit of the pixel's own size holds for {words} instead of taps behind the pixel"
-    ),
+    Cause("order_rule", "limit", "the limit of the pixel's own size holds for {words} instead of {expected}"),
     # Places of taps, and what is read there.
     Cause("rad_scale", "taps", "RAD_SCALE is {value:.4g} instead of {expected:.4g}"),
     Cause("angle_step", "taps", "the angle between taps is {value:.9g} instead of {expected:.9g}"),
@@ -85,8 +90,10 @@ CAUSES = (
     ),
     Cause("row_order", "taps", "rows are taken the other way round: the spiral is mirrored"),
     Cause("axes_swapped", "taps", "the directions of taps are {words}"),
-    Cause("pixel_size", "taps", "a radius of 1 spans {x:.4g} px in x and {y:.4g} px in y{words}"),
-    Cause("shift", "taps", "{words} shifted by {x:+.2f} px in x and {y:+.2f} px in y"),
+    Cause(
+        "pixel_size", "taps", "a radius of 1 spans {x:.4g} px in x and {y:.4g} px in y{words}", (("x", 1.0), ("y", 1.0))
+    ),
+    Cause("shift", "taps", "{words} shifted by {x:+.2f} px in x and {y:+.2f} px in y", (("x", 0), ("y", 0))),
     Cause("color_filter", "taps", "colour is read {words} instead of {expected}"),
     Cause("depth_filter", "taps", "depth is read {words} instead of {expected}"),
     Cause("border", "taps", "beyond the border {words} instead of repeating the edge"),
@@ -94,24 +101,29 @@ CAUSES = (
     Cause("angle_noise", "taps", "the spiral is turned by another angle at every pixel"),
     Cause("in_place", "taps", "the picture is read and written in place: taps read pixels that are blurred already"),
     # Weights of taps.
-    Cause("smoothstep_width", "weight", "the rim of a disc is {value:.4g} px wide instead of 1"),
-    Cause("smoothstep_offset", "weight", "the rim of a disc is moved by {value:+.3g} px"),
+    Cause("smoothstep_width", "weight", "the rim of a disc is {value:.4g} px wide instead of 1", _ONE),
+    Cause("smoothstep_offset", "weight", "the rim of a disc is moved by {value:+.3g} px", _ZERO),
     Cause("smoothstep_shape", "weight", "the rim of a disc is {words} instead of a smoothstep"),
     Cause("weight_rule", "weight", "a tap counts {words} instead of as far as its disc covers the pixel"),
     # The running mean.
-    Cause("initial_total", "mean", "the total starts at {value:.4g} instead of 1"),
+    Cause("initial_total", "mean", "the total starts at {value:.4g} instead of 1", _ONE),
     Cause("mean_rule", "mean", "a tap that misses adds {words} instead of the mean so far"),
     Cause("center_missing", "mean", "the pixel's own colour is not counted"),
     Cause("divisor", "mean", "the sum is divided by {words} instead of the number of taps and the pixel"),
     # The picture as a whole.
-    Cause("gamma", "image", "{words}"),
+    Cause("gamma", "image", "{words}{value:.4g}", _ONE),
     Cause("tone_map", "image", "colours are tone mapped ({words})"),
     Cause("clamp", "image", "colours are clamped to {value:.4g}{words}"),
-    Cause("gain", "image", "colours are multiplied by {value:.4g}"),
-    Cause("offset", "image", "{value:+.4g} is added to colours"),
+    Cause("gain", "image", "colours are multiplied by {value:.4g}", _ONE),
+    Cause("offset", "image", "{value:+.4g} is added to colours", _ZERO),
     Cause("channels", "image", "channels are in the order {words} instead of RGB"),
     Cause("flipped", "image", "the picture is flipped {words}"),
-    Cause("image_shift", "image", "the finished picture is shifted by {x:+d} px in x and {y:+d} px in y"),
+    Cause(
+        "image_shift",
+        "image",
+        "the finished picture is shifted by {x:+d} px in x and {y:+d} px in y",
+        (("x", 0), ("y", 0)),
+    ),
     Cause("half_resolution", "image", "the picture is made at half its resolution"),
     Cause("quantized", "image", "colours are rounded to {words}"),
     Cause("early_out", "image", "pixels {words} are left as they are: nothing spreads over them"),

@@ -26,6 +26,7 @@ from refdof.oracle.diagnosis.shots import METHOD, probed, shots_of, telling
 from refdof.oracle.diagnosis.switches import size_switches
 from refdof.oracle.diagnosis.tap_switches import tap_switches
 from refdof.oracle.diagnosis.whole import is_finite, whole_cause
+from refdof.oracle.diagnosis.wording import sentence_of
 from refdof.oracle.files import Pack, open_pack
 from refdof.oracle.sources import Source, of_function
 
@@ -175,13 +176,13 @@ def _diagnosis(opened: Pack, shots: list[Shot], faults: list[str]) -> Diagnosis:
     names = tuple(shot.name for shot in shots)
     if not shots:
         said = f"no case of {METHOD} could be compared" + (f": {faults[0]}" if faults else "")
-        return Diagnosis((Named(*UNEXPLAINED),), said)
+        return Diagnosis((_named(UNEXPLAINED.key, {}),), said)
     failing = [shot for shot in shots if not (shot.off <= 1.0).all()]
     if not failing and faults:
         said = f"{len(shots)} cases are right, {len(faults)} could not be compared: {faults[0]}"
-        return Diagnosis((Named(*UNEXPLAINED),), said, cases=names)
+        return Diagnosis((_named(UNEXPLAINED.key, {}),), said, cases=names)
     if not failing:
-        return Diagnosis((Named(*NONE),), f"{len(shots)} cases compared", 1.0, 1.0, cases=names)
+        return Diagnosis((_named(NONE.key, {}),), f"{len(shots)} cases compared", 1.0, 1.0, cases=names)
     whole = whole_cause(opened, failing)
     if whole is not None:
         key, words = whole
@@ -206,8 +207,10 @@ def _told(ranked: list[Found], shots: Sequence[Shot], names: tuple[str, ...]) ->
         said = f"the best explains {max(0.0, best.explained):.0%} of the error" + (f": {stage}" if stage else "")
         unexplained = Named(UNEXPLAINED.key, stage, UNEXPLAINED.sentence)
         return Diagnosis((unexplained,), said, best.exact, best.explained, tuple(others), names)
+    before, after = f"{nothing.worst:.3g}", f"{best.worst:.3g}"
+    worst = f"{before} before, {after}" if before != after else f"{before} as before"
     evidence = (
-        f"worst error {nothing.worst:.3g} before, {best.worst:.3g} with this change of a right port: "
+        f"worst error {worst} with this change of a right port: "
         f"{best.explained:.1%} of the error, {best.exact:.1%} of the pixels looked at"
     )
     keys = {step.switch.key for step in best.steps}
@@ -239,11 +242,14 @@ def _beyond(shots: Sequence[Shot]) -> Diagnosis | None:
 
 
 def _causes(found: Found, shots: Sequence[Shot]) -> tuple[Named, ...]:
-    """With the numbers of the picture that shows most: with its parameters, what was fitted differs from them."""
-    shot = max(shots, key=lambda shot: float(np.minimum(shot.off, 1e6).mean()))
-    return tuple(_named(step.switch.key, step.switch.words(shot, step.value)) for step in found.steps)
+    """With the numbers of the picture that shows most, or of one whose parameters differ more from what was fitted."""
+    ranked = sorted(shots, key=lambda shot: -float(np.minimum(shot.off, 1e6).mean()))
+    return tuple(
+        _named(step.switch.key, *(step.switch.words(shot, step.value) for shot in ranked)) for step in found.steps
+    )
 
 
-def _named(key: str, words: dict[str, Any]) -> Named:
+def _named(key: str, *pictures: dict[str, Any]) -> Named:
+    """A cause with the words for pictures, the one that shows most first."""
     cause = cause_of(key)
-    return Named(key, cause.stage, cause.sentence.format(**words))
+    return Named(key, cause.stage, sentence_of(cause, pictures))

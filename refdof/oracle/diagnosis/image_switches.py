@@ -66,7 +66,12 @@ def _colors() -> list[Switch]:
     offsets = (-0.5, -0.1, -0.01, -0.002, 0.002, 0.01, 0.1, 0.5)
     said = {"gain": gains, "offset": offsets}
     return [
-        Switch("gamma", lambda model, value: _then(model, *_GAMMAS[value]), tuple(_GAMMAS), lambda s, v: {"words": v}),
+        Switch(
+            "gamma",
+            lambda model, value: _then(model, *_GAMMAS[value]),
+            tuple(_GAMMAS),
+            lambda s, v: {"words": v, "value": ""},
+        ),
         Switch("gamma", _after("gamma"), (0.3, 0.4, 0.6, 0.8, 1.2, 1.8, 2.4), _power, fits=True),
         Switch("tone_map", named(_TONES, False), tuple(_TONES), lambda s, v: {"words": v}),
         Switch("tone_map", named(_TONES, True), tuple(_TONES), lambda s, v: {"words": f"{v}, before the blur"}),
@@ -85,7 +90,7 @@ def _colors() -> list[Switch]:
 
 
 def _power(shot: Shot, value: float) -> dict[str, Any]:
-    return {"words": f"output is raised to the power of {value:.4g}"}
+    return {"words": "output is raised to the power of ", "value": value}
 
 
 def _pictures() -> list[Switch]:

@@ -26,12 +26,13 @@ __all__ = ["probe"]
 
 _REACH = 2  # px: the grid shows a pixel and so many to each side
 _CLOSE = 1e-3  # of the light
+_LINEAR = "  linear in colour, and black stays black"
 
 _Paint = Callable[[Float], Float]
 
 
 def probe(source: Source, task: Task, shot: Shot) -> list[str]:
-    """Lines that show a port's taps beside those expected; none where it cannot be run on other pictures.
+    """Lines that show a port's taps beside those expected; none if it cannot be run on other pictures, or all is alike.
 
     task, shot : the case whose depths are taken, with what the port gave
     """
@@ -47,15 +48,24 @@ def probe(source: Source, task: Task, shot: Shot) -> list[str]:
         if np.array_equal(black, shot.got) and shot.got.any():
             return []  # files made elsewhere
         twice = painted(2.0 * shot.color)
-        height, width = shot.depth.shape
-        x, y = width // 2, height // 2
         said = _light(black, twice, shot)
-        lines = [f"probes at the depths of {shot.name}, expected beside got:", *said]
-        if len(said) == 1:
-            lines += [*_moments(painted, right, x, y, shot), *_grid(painted, right, x, y, shot)]
+        lines = [f"probes at the depths of {shot.name}, expected beside got:", *(said or [_LINEAR])]
+        if said:
+            return lines
+        for x, y in _pixels(shot):
+            shown = [*_moments(painted, right, x, y, shot), *_grid(painted, right, x, y, shot)]
+            if shown:
+                return [*lines, *shown]
     except (FileFault, NotSupported) as fault:
         return [f"probes: {fault}"]
-    return lines
+    return []
+
+
+def _pixels(shot: Shot) -> list[tuple[int, int]]:
+    """x and y of the middle, whose taps are in the picture, and of the worst pixel."""
+    height, width = shot.depth.shape
+    row, column = np.unravel_index(np.argmax(shot.off), shot.off.shape)
+    return [(width // 2, height // 2), (int(column), int(row))]
 
 
 def _run(source: Source, task: Task, color: Float) -> Float:
@@ -70,18 +80,16 @@ def _run(source: Source, task: Task, color: Float) -> Float:
 
 
 def _light(black: Float, twice: Float, shot: Shot) -> list[str]:
-    """Whether the port is linear: one line if so."""
+    """How the port is not linear in colour, if so."""
     lines, scale = [], float(np.abs(shot.got).max()) or 1.0
     with np.errstate(invalid="ignore"):
         if not bool((np.abs(black) <= _CLOSE * scale).all()):
             lines.append(f"  black gives up to {float(np.nanmax(np.abs(black))):.3g}; expected is 0")
-        if not bool((np.abs(twice - 2.0 * shot.got) <= 2 * _CLOSE * scale).all()):
-            bright = np.abs(shot.got) > 0.5 * scale
-            ratio = float(np.median(twice[bright] / shot.got[bright]))
-            lines.append(f"  twice the light gives {ratio:.3g} times the light; expected is 2")
-    if lines:
-        return [*lines, "  it is not linear in colour, so that its taps cannot be seen one by one"]
-    return ["  linear in colour, and black stays black"]
+        off = np.nan_to_num(np.abs(twice - 2.0 * shot.got), nan=np.inf)
+        if not bool((off <= 2 * _CLOSE * scale).all()):
+            worst = np.unravel_index(np.argmax(off), off.shape)
+            lines.append(f"  twice the light gives {twice[worst]:.6g}; expected is {2.0 * shot.got[worst]:.6g}")
+    return [*lines, "  it is not linear in colour, so that its taps cannot be seen one by one"] if lines else []
 
 
 def _moments(painted: _Paint, right: Callable[..., Float], x: int, y: int, shot: Shot) -> list[str]:
@@ -96,17 +104,19 @@ def _moments(painted: _Paint, right: Callable[..., Float], x: int, y: int, shot:
         shifted = picture + 1.0
         expected.append(right(shifted, np.array([x]), np.array([y]))[0])
         got.append(painted(shifted)[y, x])
-    lines = []
-    for name, (first, second) in {"expected": expected, "got": got}.items():
+    said = []
+    for first, second in (expected, got):
         total = float(first[2]) / 2.0
         with np.errstate(all="ignore"):
             middle = (first[:2] / total - 1.0) * (width, height)
             spread = np.sqrt(np.maximum((second[:2] / total - 1.0) * (width**2, height**2) - middle**2, 0.0))
-        lines.append(
-            f"  {name + ':':10}weights sum to {total:.4f}, their middle is {middle[0]:+.2f} px in x and "
-            f"{middle[1]:+.2f} in y, their spread {spread[0]:.2f} and {spread[1]:.2f}"
+        said.append(
+            f"weights sum to {total:.4f}, their middle is {_rounded(middle[0]):+.2f} px in x and "
+            f"{_rounded(middle[1]):+.2f} in y, their spread {spread[0]:.2f} and {spread[1]:.2f}"
         )
-    return [f"  taps of pixel ({x}, {y}):", *lines]
+    if said[0] == said[1]:
+        return []
+    return [f"  taps of pixel ({x}, {y}):", f"  expected: {said[0]}", f"  got:      {said[1]}"]
 
 
 def _grid(painted: _Paint, right: Callable[..., Float], x: int, y: int, shot: Shot) -> list[str]:
@@ -120,9 +130,13 @@ def _grid(painted: _Paint, right: Callable[..., Float], x: int, y: int, shot: Sh
     side = len(around)
     expected = right(picture, columns, rows)[:, 1].reshape(side, side)
     got = painted(picture)[rows, columns, 1].reshape(side, side)
-    lines = [f"  weight of texel ({x}, {y}) in the pixels around it, in thousandths:"]
-    for left, second in zip(expected, got, strict=True):
-        lines.append(
-            "  " + " ".join(f"{1e3 * v:7.2f}" for v in left) + "   |" + " ".join(f"{1e3 * v:7.2f}" for v in second)
-        )
-    return lines
+    wanted, found = ([" ".join(f"{_rounded(1e3 * v):7.2f}" for v in row) for row in half] for half in (expected, got))
+    if wanted == found:
+        return []
+    lines = [f"  {first}   |{second}" for first, second in zip(wanted, found, strict=True)]
+    return [f"  weight of texel ({x}, {y}) in the pixels around it, in thousandths:", *lines]
+
+
+def _rounded(value: float) -> float:
+    """As it is printed, with one zero instead of two."""
+    return round(float(value), 2) + 0.0

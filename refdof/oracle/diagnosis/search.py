@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float
+from refdof.oracle.diagnosis.causes import cause_of
 from refdof.oracle.diagnosis.emulate import emulator
 from refdof.oracle.diagnosis.model import Model
 from refdof.oracle.diagnosis.samples import Samples, Shot, choose, samples_of
 from refdof.oracle.diagnosis.switches import Switch
+from refdof.oracle.diagnosis.wording import tell_something
 
 __all__ = ["Found", "Step", "search"]
 
@@ -102,14 +104,16 @@ def search(shots: Sequence[Shot], switches: Sequence[Switch]) -> list[Found]:
     """The changes that give best what a port gave, best first; one of them is none at all."""
     first, few, many = (_Bench(shots[:most], count) for most, count in _BENCHES)
     ranked = bases = [many.found(())]
-    trials = [[Step(switch, value) for value in switch.values] for switch in switches]
+    trials = [
+        [Step(switch, value) for value in switch.values if _can_be_told(shots, switch, value)] for switch in switches
+    ]
     for _ in range(_ROUNDS):
         found: list[Found] = []
         for base in bases:
             looked = _first_look(first, base.steps, trials)
             steps = _best_values(few, base.steps, [group[:2] for group in looked[:_LOOKED_AT]])[:_FITTED]
             if not many.found((*base.steps, steps[0])).is_exact:
-                steps = [_fitted(few, base.steps, step) for step in steps]
+                steps = [_fitted(few, shots, base.steps, step) for step in steps]
             found += [many.found((*base.steps, step)) for step in steps]
             if not base.steps:
                 trials = [group[:_VALUES] for group in looked]
@@ -133,7 +137,7 @@ def _first_look(bench: _Bench, base: tuple[Step, ...], trials: list[list[Step]])
     used = {step.switch.key for step in base}
     best: list[tuple[float, int, list[Step]]] = []
     for number, steps in enumerate(trials):
-        if steps[0].switch.key not in used:
+        if steps and steps[0].switch.key not in used:
             scores = [bench.score((*base, step)) for step in steps]
             ranked = [steps[k] for k in np.argsort(scores, kind="stable")]
             best.append((min(scores), number, ranked))
@@ -147,7 +151,12 @@ def _best_values(bench: _Bench, base: tuple[Step, ...], groups: list[list[Step]]
     return [groups[number][scored[number][1]] for number in order]
 
 
-def _fitted(bench: _Bench, base: tuple[Step, ...], step: Step) -> Step:
+def _can_be_told(shots: Sequence[Shot], switch: Switch, value: Any) -> bool:
+    """Whether the value is another than a right port's, for some picture."""
+    return any(tell_something(cause_of(switch.key), switch.words(shot, value)) for shot in shots)
+
+
+def _fitted(bench: _Bench, shots: Sequence[Shot], base: tuple[Step, ...], step: Step) -> Step:
     """The value between its neighbours, or near a pair, that is best; a round one where that is as good."""
     from scipy.optimize import minimize, minimize_scalar  # slow to import
 
@@ -179,6 +188,7 @@ def _fitted(bench: _Bench, base: tuple[Step, ...], step: Step) -> Step:
             result = minimize_scalar(score, bounds=(low, high), method="bounded", options={"maxiter": 24})
             exact = float(result.x)
             candidates += [*(float(f"{exact:.{n}g}") for n in (1, 2, 3, 4, 6)), exact]
+    candidates = [value for value in candidates if _can_be_told(shots, switch, value)]
     scores = [score(value) for value in candidates]
     good = min(scores) * (1.0 + _MARGIN) + 1e-3
     return Step(switch, next(value for value, found in zip(candidates, scores, strict=True) if found <= good))

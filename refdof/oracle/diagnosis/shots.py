@@ -48,9 +48,9 @@ def shots_of(pack: Pack, source: Source, case: str | None) -> tuple[list[Shot], 
 
 
 def probed(pack: Pack, shots: list[Shot]) -> tuple[Task, Shot] | None:
-    """The shot whose depths show taps best, of one depth and with large circles, and its task."""
+    """The shot whose depths show taps best, of one depth, wrong and with large circles, and its task."""
     flat = [shot for shot in shots if np.ptp(shot.depth) == 0.0 and np.isfinite(shot.got).all()]
-    shot = max(flat, key=lambda shot: float(np.abs(shot.coc).max()), default=None)
+    shot = max(flat, key=lambda shot: (_fails(shot), float(np.abs(shot.coc).max())), default=None)
     return None if shot is None else (case_shot(pack, shot.name, pack.description(shot.name))[0], shot)
 
 

@@ -163,7 +163,7 @@ def _sizes() -> list[Switch]:
 
 
 def _limits() -> list[Switch]:
-    said = {
+    taps = {
         "behind": "taps behind the pixel", "front": "taps before the pixel", "always": "all taps",
         "differs": "taps before or behind the pixel", "size": "taps with a larger circle",
         "size_below": "taps with a smaller circle", "signed_size": "taps with a greater signed circle",
@@ -171,12 +171,15 @@ def _limits() -> list[Switch]:
     factors = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, math.inf)
 
     def factor(shot: Shot, value: float) -> dict[str, Any]:
-        words = "any number of" if value == math.inf else f"{value:.4g}"
-        return {"value": words, "expected": shot.right.behind_factor}
+        said = ["any number of" if one == math.inf else one for one in (value, shot.right.behind_factor)]
+        return {"value": said[0], "expected": said[1]}
+
+    def order(shot: Shot, value: str) -> dict[str, Any]:
+        return {"words": taps[value], "expected": taps[shot.right.order]}
 
     return [
         Switch("behind_factor", setting("behind_factor"), factors, factor, fits=True),
-        Switch("order_rule", setting("order"), tuple(said), lambda s, v: {"words": said[v]}),
+        Switch("order_rule", setting("order"), tuple(taps), order),
         Switch("coc_sign", setting("order"), ["signed_size_flipped"]),
     ]
 

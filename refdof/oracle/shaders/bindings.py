@@ -1,8 +1,8 @@
 """Bindings: what each name that a shader reads is given, by a file or by the usual names.
 
 1. Read a file of bindings                          `read_bindings`
-2. Find the meaning of all names, or say which none  `plan_of`
-3. Work out their values for a case                  `Plan.values`
+2. Find the meaning of all names, or say which none  `meanings_of`
+3. Work out their values for a case                  `Meanings.values`
 """
 
 import ast
@@ -15,12 +15,12 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_path
 from refdof.oracle.shaders.case import PICTURES, CaseValues, filter_of
-from refdof.oracle.shaders.drawing.slots import COUNTS, Slot
+from refdof.oracle.shaders.drawing.slots import COUNTS, Given, Slot
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
 from refdof.oracle.shaders.names import known_names, sampler_meaning, usual_number, usual_texture
 from refdof.oracle.sources import NotSupported
 
-__all__ = ["FILTERS", "Binding", "Draw", "Plan", "plan_of", "read_bindings"]
+__all__ = ["FILTERS", "Binding", "Meanings", "meanings_of", "read_bindings"]
 
 FILTERS = ("nearest", "linear")
 _LARGEST_FILE = 2**20
@@ -34,15 +34,7 @@ class Binding(NamedTuple):
     filter: str | None = None
 
 
-class Draw(NamedTuple):
-    """What a shader is given for a case: numbers by uniform, pictures and filters by texture and sampler."""
-
-    uniforms: dict[str, list[float]]
-    textures: dict[str, Float]
-    filters: dict[str, str]
-
-
-class Plan(NamedTuple):
+class Meanings(NamedTuple):
     """The meaning of every name that a shader reads."""
 
     uniforms: dict[str, Binding]
@@ -58,7 +50,7 @@ class Plan(NamedTuple):
         found = [names_in(binding.tree) for binding in self.uniforms.values()]
         return set().union(*(names for names in found if "coc_scale" not in names))
 
-    def values(self, case: CaseValues) -> Draw:
+    def values(self, case: CaseValues) -> Given:
         """What the shader is given for a case.
 
         Raises
@@ -78,7 +70,7 @@ class Plan(NamedTuple):
         filters = {name: one.filter or filter_of(name, one.tree, case) for name, one in self.textures.items()}
         for name, meaning in self.samplers.items():
             filters[name] = meaning if isinstance(meaning, str) else _shared(name, meaning, filters)
-        return Draw(uniforms, textures, filters)
+        return Given(uniforms, textures, filters)
 
 
 def read_bindings(file: str | os.PathLike[str]) -> dict[str, Binding]:
@@ -98,7 +90,7 @@ def read_bindings(file: str | os.PathLike[str]) -> dict[str, Binding]:
     return {name: _binding(f"bindings: {name}", value) for name, value in content.items()}
 
 
-def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str]) -> Plan:
+def meanings_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str]) -> Meanings:
     """Give every slot a meaning. `keys`: the names of the numbers that cases have.
 
     Raises
@@ -107,7 +99,7 @@ def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str])
         If a name has none, or a binding does not fit.
     """
     slots = {slot.name: slot for slot in found}
-    plan = Plan({}, {}, {}, slots)
+    meanings = Meanings({}, {}, {}, slots)
     for name, binding in given.items():
         if name not in slots:
             raise InputError(f"bindings: {name}: is not read by the shader; allowed are {', '.join(slots) or 'none'}")
@@ -117,20 +109,20 @@ def plan_of(found: Iterable[Slot], given: Mapping[str, Binding], keys: set[str])
     near = next((slot.name for slot in slots.values() if _is_near(slot, keys)), None)
     for name, slot in slots.items():
         if slot.kind == "texture":
-            plan.textures[name] = given.get(name) or _texture(name, near)
+            meanings.textures[name] = given.get(name) or _texture(name, near)
         elif slot.kind == "uniform":
             bound = given.get(name) or _number(slot, keys)
             if bound is not None:
-                plan.uniforms[name] = bound
+                meanings.uniforms[name] = bound
     for name, slot in slots.items():
         if slot.kind == "sampler" and name in given:
-            plan.samplers[name] = as_choice(f"bindings: {name}", given[name].text, FILTERS)
+            meanings.samplers[name] = as_choice(f"bindings: {name}", given[name].text, FILTERS)
         elif slot.kind == "sampler":
-            plan.samplers[name] = _sampler(slot, plan)
-    for name in plan.textures:
-        if not names_in(plan.textures[name].tree) & set(PICTURES):
-            raise InputError(f"bindings: {name}: got {plan.textures[name].text!r}; allowed is a picture")
-    return plan
+            meanings.samplers[name] = _sampler(slot, meanings)
+    for name in meanings.textures:
+        if not names_in(meanings.textures[name].tree) & set(PICTURES):
+            raise InputError(f"bindings: {name}: got {meanings.textures[name].text!r}; allowed is a picture")
+    return meanings
 
 
 def _allowed(kind: str, keys: set[str]) -> tuple[str, ...]:
@@ -193,15 +185,15 @@ def _is_near(slot: Slot, keys: set[str]) -> bool:
     return slot.kind == "uniform" and meaning in ("near", "near, far")
 
 
-def _sampler(slot: Slot, plan: Plan) -> str | tuple[str, ...]:
+def _sampler(slot: Slot, meanings: Meanings) -> str | tuple[str, ...]:
     """A filter, or the textures whose filter it has."""
-    reads = tuple(name for name in slot.reads if name in plan.textures)
+    reads = tuple(name for name in slot.reads if name in meanings.textures)
     if reads:
         return reads
     meaning = sampler_meaning(slot.name)
     if meaning in FILTERS:
         return str(meaning)
-    alike = tuple(name for name, binding in plan.textures.items() if binding.text == meaning)
+    alike = tuple(name for name, binding in meanings.textures.items() if binding.text == meaning)
     if alike:
         return alike
     raise InputError(

@@ -16,7 +16,7 @@ from typing import Any
 from refdof._check import Float, InputError, as_number, as_path
 from refdof.methods import METHODS
 from refdof.oracle.files import FileFault
-from refdof.oracle.shaders.bindings import Plan, plan_of, read_bindings
+from refdof.oracle.shaders.bindings import Meanings, meanings_of, read_bindings
 from refdof.oracle.shaders.case import case_values
 from refdof.oracle.shaders.drawing.slots import Slot
 from refdof.oracle.shaders.process import Ended, Process
@@ -65,7 +65,7 @@ class ShaderSource:
         self._method = next((name for name in METHODS if path.stem.lower().startswith(name)), "singlepass")
         self._given = {} if bindings is None else read_bindings(bindings)
         self._process: Process | None = None
-        self._plan: Plan | None = None
+        self._meanings: Meanings | None = None
         self._slots = self._start()
 
     def __enter__(self) -> "ShaderSource":
@@ -97,17 +97,17 @@ class ShaderSource:
             raise NotSupported(f"{self._name} is taken for {self._method}, by its name; this is {method}")
         case = case_values(task, mirrored=False)
         keys = {*case.numbers, *(key for key, value in task.params.items() if not isinstance(value, str))}
-        if self._plan is None:
-            self._plan = plan_of(self._slots, self._given, keys)
-        owned = self._plan.parameters()
+        if self._meanings is None:
+            self._meanings = meanings_of(self._slots, self._given, keys)
+        owned = self._meanings.parameters()
         _check_parameters(task, method, owned)
         mirrored = case.numbers.get("row_step", 1.0) < 0.0 and "row_step" not in owned
         if mirrored:
             case = case_values(task, mirrored)
-        draw = self._plan.values(case)
+        given = self._meanings.values(case)
         height, width = case.pictures["depth"].shape
-        message = {"do": "draw", "size": [width, height], "uniforms": draw.uniforms, "filters": draw.filters}
-        image = self._draw(message, draw.textures)
+        message = {"do": "draw", "size": [width, height], "uniforms": given.uniforms, "filters": given.filters}
+        image = self._draw(message, given.textures)
         return {"image": image[::-1] if mirrored else image}
 
     def _draw(self, message: dict[str, Any], textures: Mapping[str, Float]) -> Float:

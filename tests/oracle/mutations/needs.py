@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.oracle.shader_cases import need
+from tests.oracle.shaders.cases import need
 
 __all__ = ["need_all"]
 

@@ -1,8 +1,11 @@
-"""Slots: what a compiled shader wants to be given, whatever its language."""
+"""Slots: what a compiled shader wants to be given, and what it then is, whatever its language."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
-__all__ = ["COUNTS", "ShaderFault", "Slot"]
+import numpy as np
+
+__all__ = ["COUNTS", "Given", "ShaderFault", "Slot"]
 
 COUNTS = {
     f"{prefix}{suffix}": count
@@ -30,3 +33,15 @@ class Slot(NamedTuple):
     type: str = ""
     has_default: bool = False
     reads: tuple[str, ...] = ()
+
+
+class Given(NamedTuple):
+    """What a shader is given to draw with, by the names of its slots.
+
+    uniforms: numbers, but for those that have a value of their own; textures: images (H, W, C) float32; filters:
+    "nearest" or "linear" of each texture and sampler.
+    """
+
+    uniforms: Mapping[str, list[float]]
+    textures: Mapping[str, np.ndarray]
+    filters: Mapping[str, str]

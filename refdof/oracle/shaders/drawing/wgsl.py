@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import wgpu
 
-from .slots import ShaderFault, Slot
+from .slots import Given, ShaderFault, Slot
 from .wgsl_text import Module, compiler_message, module_of, vertex_shader
 
 __all__ = ["WGSL"]
@@ -59,13 +59,7 @@ class WGSL:
             slots += [Slot(member.name, "uniform", member.type) for member in variable.members]
         return slots
 
-    def draw(
-        self,
-        size: tuple[int, int],
-        uniforms: Mapping[str, list[float]],
-        textures: Mapping[str, np.ndarray],
-        filters: Mapping[str, str],
-    ) -> np.ndarray:
+    def draw(self, size: tuple[int, int], given: Given) -> np.ndarray:
         """Draw a picture (H, W, 3) of `size` (W, H)."""
         device, module = self._device, self._module
         usage = wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_SRC
@@ -75,9 +69,9 @@ class WGSL:
         for one in module.variables:
             resource: Any
             if one.kind == "texture":
-                resource = self._texture(textures[one.name]).create_view()
+                resource = self._texture(given.textures[one.name]).create_view()
             elif one.kind == "sampler":
-                chosen = filters[one.name]
+                chosen = given.filters[one.name]
                 resource = device.create_sampler(mag_filter=chosen, min_filter=chosen)
             elif one.kind == "storage":
                 resource = target.create_view()
@@ -85,16 +79,18 @@ class WGSL:
                 data = np.zeros(one.size, dtype=np.uint8)
                 for member in one.members:
                     kind = _KINDS.get(member.type[0], "<f4")
-                    numbers = np.array(uniforms[member.name]).astype(kind).view(np.uint8)
+                    numbers = np.array(given.uniforms[member.name]).astype(kind).view(np.uint8)
                     data[member.offset : member.offset + len(numbers)] = numbers
                 buffer = device.create_buffer_with_data(data=data.tobytes(), usage=wgpu.BufferUsage.UNIFORM)
                 resource = {"buffer": buffer, "offset": 0, "size": one.size}
             entries[one.group].append({"binding": one.binding, "resource": resource})
         bound = [
-            device.create_bind_group(layout=layout, entries=given)
-            for layout, given in zip(self._groups, entries, strict=True)
+            device.create_bind_group(layout=layout, entries=bindings)
+            for layout, bindings in zip(self._groups, entries, strict=True)
         ]
-        constants = {key: uniforms[name][0] for name, (key, _, _) in module.overrides.items() if name in uniforms}
+        constants = {
+            key: given.uniforms[name][0] for name, (key, _, _) in module.overrides.items() if name in given.uniforms
+        }
         self._run(self._pipeline(constants), bound, target, size)
         data = device.queue.read_texture(
             {"texture": target}, {"bytes_per_row": 16 * size[0], "rows_per_image": size[1]}, (*size, 1)

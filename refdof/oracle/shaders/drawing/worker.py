@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .messages import receive, send
-from .slots import ShaderFault
+from .slots import Given, ShaderFault
 
 __all__ = ["answer_all"]
 
@@ -36,7 +36,7 @@ def _answer(
         return {"slots": [list(slot) for slot in drawer.compile(message["text"])]}, {}
     signal.alarm(math.ceil(message["seconds"]) + _GRACE_S)
     width, height = message["size"]
-    image = drawer.draw((width, height), message["uniforms"], arrays, message["filters"])
+    image = drawer.draw((width, height), Given(message["uniforms"], arrays, message["filters"]))
     signal.alarm(0)
     return {}, {"image": image}
 

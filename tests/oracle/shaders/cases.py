@@ -11,7 +11,7 @@ from refdof.oracle.cases import Case
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.shaders.process import Process
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PORTS, CORE = ROOT / "ports", ROOT / "data" / "packs" / "core"
 GLSL = (PORTS / "glsl" / "singlepass.frag").read_text()
 WGSL = (PORTS / "wgsl" / "singlepass.wgsl").read_text()
@@ -109,12 +109,27 @@ class Kept:
             self.end()
 
 
-def core_statuses(file):
-    """What comes of the cases of the core pack, by method."""
+def statuses(outcomes):
+    return [outcome.status for outcome in outcomes]
+
+
+def passes_the_core_pack(file, folder):
+    """Assert that a shader passes all of its method, and that the rest is not supported."""
+    if not CORE.is_dir():
+        pytest.skip("there is no core pack beside the code")
+    need(file.suffix[1:], folder)
     found = {}
     for outcome in check_shader(file, CORE).outcomes:
         found.setdefault(outcome.case.partition("_")[0], set()).add(outcome.status)
-    return found
+    assert found.pop("singlepass") == {"pass"}
+    assert set().union(*found.values()) <= {"not supported"}
+
+
+def is_refused(outcomes, text, said):
+    """Assert that a shader's text is refused in one line, before any case."""
+    with pytest.raises(InputError, match=said) as raised:
+        outcomes(text)
+    assert len(str(raised.value).splitlines()) == 1
 
 
 def need(suffix, folder):
