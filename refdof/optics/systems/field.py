@@ -90,8 +90,7 @@ def _without_rims(
     """Rays (N, 3) through the surfaces from `first` on, blocked by no rim but the stop's."""
     whole = table_of(system, wavelength_um, rims=False)
     table = SurfaceTable(*(np.ascontiguousarray(column[..., first:]) for column in whole))
-    units = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    return traced(table, reverse, np.ascontiguousarray(origins), units)
+    return traced(table, reverse, np.ascontiguousarray(origins), np.ascontiguousarray(ways))
 
 
 def illumination(system: LensSystem, heights: Float, wavelength_um: float = LINE_D) -> FilmLight:

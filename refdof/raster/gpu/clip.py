@@ -1,7 +1,7 @@
 """Clipped triangles: clipped in camera space, projected and snapped to the sub-pixel grid, as a GPU does.
 
-1. `_polygon`   clip a triangle at the near plane and at a guard band far outside the picture [1]
-2. `_snap`      project a corner and round it to the grid, in float32 or exactly
+1. `_project`   project every vertex and round it to the grid, in float32 or exactly
+2. `_polygon`   clip a triangle at the near plane and at a guard band far outside the picture [1]
 3. `_set_up`    one snapped triangle per clipped triangle, counter-clockwise in (x, row), with its box of pixels
 
 Two triangles cut their shared edge at the same bits, since each cut runs from the inside to the outside.
@@ -48,6 +48,13 @@ class Grid(NamedTuple):
     exact: bool
 
 
+class Projected(NamedTuple):
+    """Vertices on the grid: place (V, 2) int32; outside (V,) uint8: bits of the planes that exclude it."""
+
+    place: Index
+    outside: Index
+
+
 def clip_triangles(
     vertices: Float, faces: Index, camera: Camera, near: float, bits: int, exact: bool
 ) -> ClippedTriangles:
@@ -56,13 +63,15 @@ def clip_triangles(
     exact: window positions are not rounded to float32 before they snap to 2^-bits px.
     """
     grid = Grid(camera.pixels_per_tangent, camera.width, camera.height, bits, exact)
-    counts = _count(vertices, faces, near, grid.scale)
+    projected = Projected(np.zeros((len(vertices), 2), dtype=np.int32), np.zeros(len(vertices), dtype=np.uint8))
+    _project(vertices, near, grid, *projected)
+    counts = _count(vertices, faces, projected.outside, near, grid.scale)
     first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(counts)])
     total = int(first[-1])
     clipped = ClippedTriangles(
         np.empty((total, 6), dtype=np.int32), np.empty(total, dtype=np.int32), np.empty((total, 4), dtype=np.int32)
     )
-    _set_up(vertices, faces, near, grid, first, clipped)
+    _set_up(vertices, faces, projected, near, grid, first, clipped)
     return clipped
 
 
@@ -86,39 +95,53 @@ def _move(vertices, near, grid):
 
 
 @kernel
-def _count(vertices, faces, near, scale):
+def _project(vertices, near, grid, place, outside):
+    """Fill `Projected`."""
+    for k in prange(len(vertices)):
+        x, y, z = vertices[k, 0], vertices[k, 1], vertices[k, 2]
+        outside[k] = _planes_outside(x, y, z, near, grid.scale)
+        if outside[k] == 0:
+            place[k, 0], place[k, 1] = _snap(x, y, -z, grid)
+
+
+@kernel
+def _count(vertices, faces, outside, near, scale):
     """Clipped triangles of each face: (F,) int64."""
     counts = np.zeros(len(faces), dtype=np.int64)
     for i in prange(len(faces)):
-        outside, common = _codes(vertices, faces, i, near, scale)
-        if outside == 0:
+        a, b, c = outside[faces[i, 0]], outside[faces[i, 1]], outside[faces[i, 2]]
+        if (a | b | c) == 0:
             counts[i] = 1
-        elif common == 0:
+        elif (a & b & c) == 0:
             counts[i] = max(_polygon(vertices, faces, i, near, scale, np.empty((2, _MOST_CORNERS, 3)))[0] - 2, 0)
     return counts
 
 
 @kernel
-def _set_up(vertices, faces, near, grid, first, clipped):
+def _set_up(vertices, faces, projected, near, grid, first, clipped):
     """Fill `clipped`; `first` (F + 1,) says where those of each face begin."""
     for i in prange(len(faces)):
         if first[i + 1] == first[i]:
             continue
-        # Take the triangle as it is, or the polygon that the planes leave of it.
+        p, q, r = faces[i, 0], faces[i, 1], faces[i, 2]
+        if (projected.outside[p] | projected.outside[q] | projected.outside[r]) == 0:
+            place = projected.place
+            _store(clipped, first[i], i, _place(place, p), _place(place, q), _place(place, r), grid)
+            continue
+        # Cut the polygon that the planes leave of it into a fan around its first corner.
         room = np.empty((2, _MOST_CORNERS, 3))
-        count, side = 3, 0
-        if _codes(vertices, faces, i, near, grid.scale)[0] == 0:
-            for k in range(3):
-                for axis in range(3):
-                    room[0, k, axis] = vertices[faces[i, k], axis]
-        else:
-            count, side = _polygon(vertices, faces, i, near, grid.scale, room)
-        # Cut the polygon into a fan around its first corner.
+        count, side = _polygon(vertices, faces, i, near, grid.scale, room)
         a, b = _snap_corner(room[side, 0], grid), _snap_corner(room[side, 1], grid)
         for k in range(2, count):
             c = _snap_corner(room[side, k], grid)
             _store(clipped, first[i] + k - 2, i, a, b, c, grid)
             b = c
+
+
+@inline
+def _place(place, vertex):
+    """A vertex's place on the grid, in whole numbers whose products do not overflow."""
+    return np.int64(place[vertex, 0]), np.int64(place[vertex, 1])
 
 
 @inline
@@ -136,17 +159,13 @@ def _distance(x, y, z, plane, near, scale):
 
 
 @inline
-def _codes(vertices, faces, i, near, scale):
-    """Two bit sets of planes: those with a corner outside, and those with all corners outside."""
-    outside, common = 0, 31
-    for k in range(3):
-        vertex, code = faces[i, k], 0
-        for plane in range(5):
-            if _distance(vertices[vertex, 0], vertices[vertex, 1], vertices[vertex, 2], plane, near, scale) < 0.0:
-                code |= 1 << plane
-        outside |= code
-        common &= code
-    return outside, common
+def _planes_outside(x, y, z, near, scale):
+    """Bit set of the planes that exclude a point."""
+    outside = 0
+    for plane in range(5):
+        if _distance(x, y, z, plane, near, scale) < 0.0:
+            outside |= 1 << plane
+    return outside
 
 
 @inline

@@ -1,6 +1,6 @@
-"""Depth peeling: layers of the GPU kind, one rasterisation per layer, each behind the depth of the last.
+"""Depth peeling: layers of the GPU kind, one drawing per layer, each behind the depth of the last.
 
-1. draw the nearest surfaces                                        `refdof.raster.gpu.rasterize`
+1. prepare triangles once, and draw the nearest surfaces            `refdof.raster.gpu.rasterize`
 2. draw again what lies behind them, or behind their umbra [2]      `_floor`
 3. stop when nothing is left
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from refdof._check import Float, Index, InputError, as_integer, as_number
 from refdof.optics.camera import Camera
-from refdof.raster.gpu.rasterize import Raster, rasterize
+from refdof.raster.gpu.rasterize import Raster, draw, prepare
 
 __all__ = ["peel_raster"]
 
@@ -49,9 +49,10 @@ def peel_raster(
         raise InputError("previous_depth: got a depth; peeling sets it by itself, so it must not be given")
     most = np.inf if count is None else as_integer("count", count, minimum=1)
     umbra = as_number("umbra", umbra, minimum=0.0, finite=False)
-    layers = [rasterize(vertices, faces, camera, **options)]
+    drawing = prepare(vertices, faces, camera, **options)
+    layers = [draw(drawing)]
     while len(layers) < most:
-        behind = rasterize(vertices, faces, camera, **options, previous_depth=_floor(layers[-1].depth, umbra))
+        behind = draw(drawing, _floor(layers[-1].depth, umbra))
         if (behind.triangle < 0).all():
             break
         layers.append(behind)
