@@ -16,6 +16,9 @@ from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.lens_samples import lens_samples
+from refdof.optics.systems.prescription import load_lens
+from refdof.optics.systems.system import LensSystem, ThickLens
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.rendering import Result, render
 from refdof.scene.builtin import SCENES
 from refdof.scene.load import load_scene
@@ -35,6 +38,7 @@ __all__ = [
     "Camera",
     "Forecast",
     "InputError",
+    "LensSystem",
     "Light",
     "Material",
     "Part",
@@ -42,10 +46,13 @@ __all__ = [
     "Result",
     "Scene",
     "Stages",
+    "SystemLens",
+    "ThickLens",
     "ThinLens",
     "View",
     "forecast",
     "lens_samples",
+    "load_lens",
     "load_scene",
     "metrics",
     "reference",

@@ -29,6 +29,7 @@ from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trac
 from refdof.optics.systems.glass import glass_of
 from refdof.optics.systems.prescription import load_lens, save_lens
 from refdof.optics.systems.system import ThickLens
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.raster.filters import mip_chain, n_buffer
 from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
@@ -206,6 +207,14 @@ DOORS: dict[str, Door] = {
     "refdof.optics.systems.prescription.load_lens": Door(load_lens, {"name": "biconvex"}, {"name": ("lens",)}),
     "refdof.optics.systems.prescription.save_lens": Door(
         save_lens, {"path": "new.toml", "system": load_lens("biconvex")}
+    ),
+    "refdof.optics.systems.system_lens.SystemLens": Door(
+        SystemLens,
+        {"system": load_lens("biconvex"), "focus_distance": 3.0, "f_number": 8.0, "mm_per_unit": 1000.0},
+        {"mm_per_unit": ("focus_distance",)},
+    ),
+    "refdof.optics.systems.system_lens.SystemLens.seen_by": Door(
+        SystemLens(load_lens("biconvex"), 3.0).seen_by, {"camera": CAMERA}
     ),
     "refdof.scene.load.load_scene": Door(
         load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
@@ -542,6 +551,7 @@ INNER = {
     "refdof.stages.as_stages",
     "refdof.view.Booking",
     "refdof.view.Pinhole",
+    "refdof.optics.lens_samples.square_points",
     "refdof.view.Triangles",
     "refdof.view.View.booking",
     "refdof.view.View.product",
@@ -552,6 +562,7 @@ INNER |= {
         "trace.SurfaceTable", "trace.Traced", "trace.table_of", "trace.trace_ray", "trace.traced",
         "trace.refract_block", "trace.surface_at", "paraxial.CardinalPoints", "paraxial.Pupil", "pupil.PupilBounds",
         "pupil.bounds_at", "pupil.joined_boxes", "lens_map.LensMap", "lens_map.lens_map_block",
+        "lens_map.new_scratch", "lens_map.borrow_lens_map", "system_lens.SystemLens.map_of",
         "lens_map.lens_map_ray", "lens_map.lens_map_rays",
     )
 }  # fmt: skip

@@ -120,7 +120,7 @@ def lens_as_json(lens: ThinLens) -> dict[str, Any]:
     if isinstance(lens, SystemLens):
         facts["system"] = {
             "name": lens.system.name,
-            "f_number": plain(f_number(lens.system)),
+            "f_number": plain(f_number(lens.stopped)),
             "mm_per_unit": plain(lens.mm_per_unit),
         }
     return facts

@@ -12,17 +12,16 @@ import math
 from dataclasses import dataclass, field, replace
 
 from refdof._check import InputError, as_instance, as_number
+from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, LensMap, lens_map_of
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for, stopped_down
-from refdof.optics.systems.paraxial import f_number as own_f_number
 from refdof.optics.systems.system import LensSystem
 
 __all__ = ["FILM_HEIGHT", "SystemLens"]
 
 FILM_HEIGHT = 24.0  # [mm], of the film that most lenses are made for
-_ROUNDED = 0.03  # makers round f-numbers: a lens named f/2 may be one of f/2.03
 
 
 @dataclass(frozen=True, init=False)
@@ -49,8 +48,13 @@ class SystemLens(ThinLens):
         If the lens is not as fast as the f-number, cannot focus there, or a number is out of range.
     """
 
-    system: LensSystem = field(kw_only=True)
-    mm_per_unit: float = field(kw_only=True)
+    radius: float = field(init=False)
+    focus_distance: float
+    aperture: Aperture = field(init=False)
+    system: LensSystem
+    f_number: float | None
+    mm_per_unit: float
+    stopped: LensSystem = field(init=False)  # the system with the stop of the f-number
 
     def __init__(
         self, system: LensSystem, focus_distance: float, f_number: float | None = None, mm_per_unit: float = 1000.0
@@ -59,22 +63,23 @@ class SystemLens(ThinLens):
         mm = as_number("mm_per_unit", mm_per_unit, above=0.0)
         focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
         if f_number is not None:
-            f_number, widest = as_number("f_number", f_number, above=0.0, maximum=1e4), own_f_number(system)
-            if f_number < widest * (1.0 - _ROUNDED):
-                raise InputError(f"f_number: got {f_number:g}; allowed is at least the lens's own, {widest:.4g}")
-            if f_number > widest:
-                system = stopped_down(system, f_number)
-        pupil = entrance_pupil(system)
+            f_number = as_number("f_number", f_number, above=0.0, maximum=1e4)
+        try:
+            stopped = system if f_number is None else stopped_down(system, f_number)
+        except InputError as error:
+            raise InputError(str(error).replace("f_stop:", "f_number:", 1)) from None
+        pupil = entrance_pupil(stopped)
         if math.isinf(pupil.z):
             raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
-        object.__setattr__(self, "system", system)
-        object.__setattr__(self, "mm_per_unit", mm)
-        sensor_for(system, focus_distance * mm)
+        sensor_for(system, focus_distance * mm)  # raises if it cannot be focused there
         super().__init__(pupil.radius / mm, focus_distance)
+        for name, value in {"system": system, "f_number": f_number, "mm_per_unit": mm, "stopped": stopped}.items():
+            object.__setattr__(self, name, value)
 
     def seen_by(self, camera: Camera) -> Camera:
         """The camera with the field of view that a film of 24 mm height has at the distance in focus."""
-        half = FILM_HEIGHT / 2.0 / image_scale(self.system, self.focus_distance * self.mm_per_unit)
+        as_instance("camera", camera, Camera)
+        half = FILM_HEIGHT / 2.0 / image_scale(self.stopped, self.focus_distance * self.mm_per_unit)
         return replace(camera, fov_y=math.degrees(2.0 * math.atan(half)))
 
     def map_of(self, camera: Camera, exponent: int = 0) -> LensMap:
@@ -83,9 +88,11 @@ class SystemLens(ThinLens):
         Lengths in the scene are in 2^exponent scene units.
         """
         waves = RGB_WAVELENGTHS if self._disperses() else RGB_WAVELENGTHS[1:2]
-        made = lens_map_of(self.system, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit)
+        made = lens_map_of(
+            self.stopped, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit
+        )
         return made._replace(scale=math.ldexp(made.scale, -exponent))
 
     def _disperses(self) -> bool:
-        first, *others = (tuple(self.system.indices(wave)) for wave in RGB_WAVELENGTHS)
+        first, *others = (tuple(self.stopped.indices(wave)) for wave in RGB_WAVELENGTHS)
         return any(other != first for other in others)

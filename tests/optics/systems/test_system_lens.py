@@ -1,6 +1,7 @@
 """A lens system on a camera, without rendering: its thin lens, its field of view, its f-number, bad input."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +39,12 @@ def test_field_of_view_breathes_with_focus():
     assert angles[0] > angles[1] > angles[2]
     assert angles[1] == pytest.approx(37.50, abs=0.3)  # distances from pupil and film differ by 5 to 10 %
     assert angles[2] == pytest.approx(35.64, abs=0.6)
+
+
+def test_a_field_can_be_replaced():
+    lens = SystemLens(double_gauss(), 2.0, 4.0)
+    assert replace(lens, focus_distance=3.0).radius == lens.radius
+    assert replace(lens, f_number=None).radius == SystemLens(double_gauss(), 2.0).radius
 
 
 def test_one_wavelength_is_enough_for_glass_without_dispersion():
