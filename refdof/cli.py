@@ -48,10 +48,12 @@ from refdof.options import (
     Threads,
     Tolerance,
     listed,
+    refuse_ignored,
+    sample_counts,
     scene_camera_lens,
     set_threads,
-    setting,
     settings_by_method,
+    settings_of,
     stages_of,
 )
 from refdof.rendering import PRESETS, make_params, render_view
@@ -59,7 +61,6 @@ from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES, shot_of
 from refdof.truth.forecast import Forecast
-from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 from refdof.warm import warm as compile_jobs
@@ -140,15 +141,16 @@ def render(
 ) -> None:
     """Render a scene with one method."""
     set_threads(threads)
-    wanted = stages_of(steps, pixel)
+    if stages is None:
+        refuse_ignored("without --stages", "with it", steps=steps, pixel=pixel)
     if output.suffix not in SUFFIXES:
         raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
     check_folder(output.parent, "output")
     if stages is not None:
         check_arrays_folder(stages, "stages")
-    params = dict(setting(text) for text in settings or [])
-    params |= {name: value for name, value in (("seed", seed), ("samples", samples)) if value is not None}
+    params = settings_of(settings or [], seed=seed, samples=samples)
     make_params(method, params, preset)
+    wanted = stages_of(steps, pixel, [method])
     with warming_up([(method, preset)] if scene in SCENES else []):
         loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus)
     view = View(loaded, camera, lens)
@@ -190,9 +192,10 @@ def export(
     names = listed(methods) if methods is not None else with_declared_stages()
     for name in names:
         as_choice("method", name, METHODS)
+    wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     view = View(*scene_camera_lens(scene, size, lens_radius, focus))
-    export_view(view, out, names, params, layers, stages_of(steps, pixel))
+    export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
 
@@ -216,14 +219,15 @@ def compare(
     lens_radius: Radius = None,
     focus: Focus = None,
     seed: Seed = 0,
-    samples: Samples = 256,
+    samples: Samples = None,
     tolerance: Tolerance = None,
-    max_samples: Most = MAX_SAMPLES,
+    max_samples: Most = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare methods with a reference: writes a table, images and a report, and prints the table."""
     set_threads(threads)
+    samples, max_samples = sample_counts(samples, tolerance, max_samples)
     check_folder(out)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)

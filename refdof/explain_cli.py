@@ -14,17 +14,18 @@ from refdof.explain.pictures import Pictures, given_pictures
 from refdof.image.atomic import atomic_folder, check_folder
 from refdof.methods import METHODS
 from refdof.options import (
+    PRESET_HELP,
     AsJson,
     Focus,
-    Preset,
     Radius,
     Settings,
     Size,
     Threads,
     pixel_of,
+    refuse_ignored,
     scene_camera_lens,
     set_threads,
-    setting,
+    settings_of,
 )
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
@@ -65,7 +66,9 @@ def explain(
         Path | None, typer.Option("--out", metavar="DIR", help="Also write the whole table and a picture, PNG.")
     ] = None,
     settings: Settings = None,
-    preset: Preset = "best",
+    preset: Annotated[
+        str | None, typer.Option("--preset", metavar="best|paper", help=f"{PRESET_HELP} Default: best.")
+    ] = None,
     size: Size = None,
     lens_radius: Radius = None,
     focus: Focus = None,
@@ -81,17 +84,16 @@ def explain(
     if out is not None:
         _check_out(out)
     if (Path(case) / "case.json").exists():
-        for name, value in {
-            "method": method, "set": settings, "size": size, "lens-radius": lens_radius, "focus": focus,
-        }.items():  # fmt: skip
-            if value:
-                raise InputError(f"{name}: got {value!r} with a case, which has its own; allowed with a scene")
+        refuse_ignored(
+            "with a case, which has its own", "with a scene",
+            method=method, set=settings, preset=preset, size=size, lens_radius=lens_radius, focus=focus,
+        )  # fmt: skip
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
     else:
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
-        params = make_params(method, dict(setting(text) for text in settings or []), preset)
+        params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
         found = explain_view(method, View(*scene_camera_lens(case, size, lens_radius, focus)), params, place, stage)
     if out is not None:
         _write(out, found)

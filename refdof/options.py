@@ -1,5 +1,6 @@
 """Options of the command line: their help, and what their words mean."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -7,12 +8,14 @@ import typer
 
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
+from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.rendering import make_params
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.stages import Stages
+from refdof.truth.reference import MAX_SAMPLES
 
 __all__ = [
     "PRESET_HELP",
@@ -32,10 +35,12 @@ __all__ = [
     "Tolerance",
     "listed",
     "pixel_of",
+    "refuse_ignored",
+    "sample_counts",
     "scene_camera_lens",
     "set_threads",
-    "setting",
     "settings_by_method",
+    "settings_of",
     "stages_of",
 ]
 
@@ -49,7 +54,11 @@ Focus = Annotated[
     float | None, typer.Option("--focus", help="Focus distance in scene units; may be inf. Default: the scene's own.")
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
-Samples = Annotated[int, typer.Option("--samples", help="Lens samples per pixel of the reference.")]
+_SAMPLES = 256
+Samples = Annotated[
+    int | None,
+    typer.Option("--samples", help=f"Lens samples per pixel of the reference. Default: {_SAMPLES}."),
+]
 Tolerance = Annotated[
     float | None,
     typer.Option(
@@ -57,7 +66,12 @@ Tolerance = Annotated[
         help="Sample each pixel until its standard error, in linear values, is below this; replaces --samples.",
     ),
 ]
-Most = Annotated[int, typer.Option("--max-samples", help="With --tolerance: stop a pixel after this many samples.")]
+Most = Annotated[
+    int | None,
+    typer.Option(
+        "--max-samples", help=f"With --tolerance: stop a pixel after this many samples. Default: {MAX_SAMPLES}."
+    ),
+]
 Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 PRESET_HELP = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
@@ -83,8 +97,30 @@ Probes = Annotated[
 ]
 
 
-def stages_of(steps: str | None, pixels: list[str] | None) -> Stages:
-    """The stages that options ask for."""
+def refuse_ignored(why: str, allowed: str, **options: Any) -> None:
+    """Raise if one of these options is given, which would be ignored: an option does what it says or is refused."""
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(f"{name.replace('_', '-')}: got {value!r} {why}; allowed {allowed}")
+
+
+def sample_counts(samples: int | None, tolerance: float | None, most: int | None) -> tuple[int, int]:
+    """Samples per pixel of the reference without a tolerance, and at most with one."""
+    if tolerance is None:
+        refuse_ignored("without --tolerance", "with it", max_samples=most)
+    else:
+        refuse_ignored("with --tolerance, which replaces it", "without it", samples=samples)
+    return _SAMPLES if samples is None else samples, MAX_SAMPLES if most is None else most
+
+
+def stages_of(steps: str | None, pixels: list[str] | None, methods: Sequence[str]) -> Stages:
+    """The stages that options ask for, of methods of which at least one has such."""
+    declared = [stage for name in methods for stage in METHODS[name].METHOD.stages]
+    none = f"with methods that record none ({', '.join(methods)})"
+    if not any(stage.name.endswith("*") for stage in declared):
+        refuse_ignored(none, "with one whose stages have steps, see `refdof methods --json`", steps=steps)
+    if not any(stage.axes.startswith("P ") for stage in declared):
+        refuse_ignored(none, "with one whose stages have probes, see `refdof methods --json`", pixel=pixels)
     places = None if pixels is None else tuple(pixel_of(text) for text in pixels)
     return Stages(None if steps is None else _whole("steps", steps), places)
 
@@ -142,7 +178,18 @@ def set_threads(threads: int | None) -> None:
         use_threads(as_integer("threads", threads, minimum=1))
 
 
-def setting(text: str) -> tuple[str, Any]:
+def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
+    """'key=value' lines, and options of the same meaning where they are given, as {key: value}."""
+    values: dict[str, Any] = {}
+    pairs = [_setting(text) for text in texts]
+    for key, value in [*pairs, *((name, value) for name, value in options.items() if value is not None)]:
+        if key in values:
+            raise InputError(f"{key}: got {values[key]!r} and {value!r}; allowed is one value")
+        values[key] = value
+    return values
+
+
+def _setting(text: str) -> tuple[str, Any]:
     """'key=value' as a name and a number, a truth value or a word."""
     key, equals, value = text.partition("=")
     if not equals or not key:
@@ -158,12 +205,11 @@ def setting(text: str) -> tuple[str, Any]:
 def settings_by_method(texts: list[str], methods: list[str], presets: list[str]) -> dict[str, dict[str, Any]]:
     """'method.key=value' lines as {method: {key: value}}."""
     params: dict[str, dict[str, Any]] = {name: {} for name in methods}
-    for text in texts:
-        key, value = setting(text)
+    for key, value in settings_of(texts).items():
         method, dot, field = key.partition(".")
         if not dot or method not in params:
             known = f", METHOD one of {', '.join(methods)}"
-            raise InputError(f"set: got {text!r}; allowed is METHOD.KEY=VALUE{known}")
+            raise InputError(f"set: got '{key}={value}'; allowed is METHOD.KEY=VALUE{known}")
         params[method][field] = value
     for method, values in params.items():
         for preset in presets:

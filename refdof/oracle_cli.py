@@ -10,7 +10,7 @@ import typer
 
 from refdof._check import InputError, as_number
 from refdof.image.atomic import check_folder, write_text
-from refdof.options import AsJson, Threads, listed, set_threads
+from refdof.options import AsJson, Threads, listed, refuse_ignored, set_threads
 from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
 from refdof.oracle.checking import TIMEOUT_S, Outcome
@@ -45,7 +45,7 @@ Bindings = Annotated[
     Path | None,
     typer.Option("--bindings", metavar="FILE", help='TOML: what its names mean, such as uDepth = "device".'),
 ]
-Timeout = Annotated[float, typer.Option("--timeout", help="Of one case, in seconds.")]
+Timeout = Annotated[float | None, typer.Option("--timeout", help=f"Of one case, in seconds. Default: {TIMEOUT_S:g}.")]
 
 
 def add_commands(app: typer.Typer) -> None:
@@ -86,7 +86,7 @@ def check(
     impl: Command = None,
     shader: Shader = None,
     bindings: Bindings = None,
-    timeout: Timeout = TIMEOUT_S,
+    timeout: Timeout = None,
     only: Annotated[str, typer.Option("--only", metavar="GLOB", help="Cases of these names only.")] = "*",
     shard: Annotated[
         str, typer.Option("--shard", metavar="I/N", help="Part I of N: each case is in exactly one.")
@@ -112,8 +112,8 @@ def check(
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
     """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
-    if impl is None and given is not None:
-        raise InputError("given: got stages without --impl; allowed is a program that takes them")
+    if impl is None:
+        refuse_ignored("without --impl", "with it", given=given)
     plan = Plan(
         only=only,
         shard=as_shard(shard),
@@ -154,7 +154,7 @@ def diagnose(
     shader: Shader = None,
     bindings: Bindings = None,
     case: Annotated[str | None, typer.Option("--case", metavar="NAME", help="Look at this case only.")] = None,
-    timeout: Timeout = TIMEOUT_S,
+    timeout: Timeout = None,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
 ) -> None:
     """Say what is wrong with a port of singlepass: its taps and weights, and the mistake that gives its output.
@@ -186,14 +186,15 @@ def _check_files(**files: Path | None) -> None:
 
 
 def _source(
-    results: Path | None, impl: str | None, shader: Path | None, bindings: Path | None, timeout: float
+    results: Path | None, impl: str | None, shader: Path | None, bindings: Path | None, timeout: float | None
 ) -> AbstractContextManager[Source]:
     """The one implementation that is given."""
     if sum(given is not None for given in (results, impl, shader)) != 1:
         raise InputError("results, impl, shader: got several or none; allowed is one of them")
-    timeout = as_number("timeout", timeout, above=0.0, maximum=_LONGEST_S)
-    if bindings is not None and shader is None:
-        raise InputError("bindings: got a file without --shader; allowed is one with a shader")
-    if shader is not None:
-        return of_shader(shader, bindings, timeout)
-    return nullcontext(of_folder(results) if results is not None else of_command(impl or "", timeout))
+    if shader is None:
+        refuse_ignored("without --shader", "with it", bindings=None if bindings is None else str(bindings))
+    if results is not None:
+        refuse_ignored("with --results, which runs nothing", "with --impl or --shader", timeout=timeout)
+        return nullcontext(of_folder(results))
+    limit = as_number("timeout", TIMEOUT_S if timeout is None else timeout, above=0.0, maximum=_LONGEST_S)
+    return of_shader(shader, bindings, limit) if shader is not None else nullcontext(of_command(impl or "", limit))

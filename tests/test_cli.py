@@ -222,7 +222,7 @@ def test_bad_input_from_a_shell():
             ["render", "fence", "--method", "singlepass", "--size", "9x9", "-o", "a.npy", "--stages", "/proc/no"],
             "stages: ",
         ),
-        (["render", "fence", "--method", "singlepass", "-o", "a.npy", "--steps", "1,x"], "steps: got '1,x'; allowed"),
+        (["export", "fence", "--out", "a", "--steps", "1,x"], "steps: got '1,x'; allowed"),
         (
             [
                 "render",

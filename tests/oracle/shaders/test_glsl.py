@@ -130,7 +130,7 @@ def test_the_command(pack, tmp_path):
     done = CliRunner().invoke(app, [*words, "--bindings", str(tmp_path / "bindings.toml")])
     assert done.exit_code == 1
     done = CliRunner().invoke(app, ["check", "--pack", str(pack), "--results", str(pack), "--bindings", "x.toml"])
-    assert str(done.exception) == "bindings: got a file without --shader; allowed is one with a shader"
+    assert str(done.exception) == "bindings: got 'x.toml' without --shader; allowed with it"
 
 
 def test_a_shader_named_after_another_method_does_not_do_these(outcomes):

@@ -1,0 +1,110 @@
+"""No option is silently ignored: with what leaves it without effect it is refused, in one line of one form."""
+
+import re
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from refdof import InputError
+from refdof.cli import app
+
+pytestmark = pytest.mark.fast
+
+RENDER = ["render", "fence", "--method", "singlepass", "--size", "9x9", "-o", "a.npy"]
+OF_MIPMAP = ["render", "fence", "--method", "mipmap", "--size", "9x9", "-o", "a.npy", "--stages", "b"]
+OF_POISSON = ["export", "fence", "--methods", "poisson,mipmap", "--size", "9x9", "--out", "a"]
+EXPLAIN = ["explain", "CASE", "--pixel", "0,0"]
+RESULTS, IMPL, SHADER = ["--results", "."], ["--impl", "x {case} {out}"], ["--shader", "x.frag"]
+
+# A command line, the option that it would ignore, its value, and why.
+REFUSED = [
+    (RENDER, "steps", "1,4", "without --stages"),
+    (RENDER, "pixel", "1,4", "without --stages"),
+    (OF_MIPMAP, "steps", "1,4", "with methods that record none (mipmap)"),
+    (OF_MIPMAP, "pixel", "1,4", "with methods that record none (mipmap)"),
+    (["export", "fence", "--methods", "mipmap", "--out", "a"], "steps", "4", "with methods that record none (mipmap)"),
+    (OF_POISSON, "pixel", "1,4", "with methods that record none (poisson, mipmap)"),
+    (["compare", "fence"], "max-samples", "64", "without --tolerance"),
+    (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
+    *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
+        ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
+        ("focus", "0"),
+    )),
+    *((["check", "--pack", ".", *how], "given", "size", "without --impl") for how in (RESULTS, SHADER)),
+    *(([command, "--pack", ".", *how], "bindings", "x.toml", "without --shader")
+      for command in ("check", "diagnose") for how in (RESULTS, IMPL)),
+    *(([command, "--pack", ".", *RESULTS], "timeout", "1", "with --results, which runs nothing")
+      for command in ("check", "diagnose")),
+]  # fmt: skip
+
+# Two values for one thing, and what is said.
+TWICE = [
+    ([*RENDER, "--set", "rad_scale=1", "--set", "rad_scale=2"], "rad_scale: got 1 and 2; allowed is one value"),
+    (["render", "fence", "--method", "accumulation", "-o", "a.npy", "--seed", "1", "--set", "seed=2"], "seed: got 2"),
+    (["compare", "fence", "--set", "mipmap.delta=1", "--set", "mipmap.delta=2"], "mipmap.delta: got 1 and 2"),
+]
+
+# Options that a command heeds whatever else is given.
+HEEDED = {
+    "scenes": "json",
+    "methods": "json",
+    "render": "method output set preset size lens-radius focus seed samples stages threads json",
+    "export": "out methods set layers size lens-radius focus threads json",
+    "compare": "methods out set preset size lens-radius focus seed tolerance threads json",
+    "warm": "",
+    "golden": "out level methods update exr threads json",
+    "check": "pack results impl shader only shard not-supported waivers html json junit",
+    "diagnose": "pack results impl shader case json",
+    "explain": "pixel stage out threads json",
+}
+
+
+@pytest.fixture
+def told(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "case.json").write_text("{}")
+
+    def run(words):
+        words = ["case" if word == "CASE" else word for word in words]
+        error = CliRunner().invoke(app, words, standalone_mode=False).exception
+        assert isinstance(error, InputError)
+        return str(error)
+
+    return run
+
+
+@pytest.mark.parametrize(("words", "option", "value", "why"), REFUSED, ids=lambda part: str(part)[:40])
+def test_options_without_effect_are_refused(told, tmp_path, words, option, value, why):
+    said = told([*words, f"--{option}", value])
+    number = value.replace(".", "").isdigit() and option not in ("steps", "pixel")
+    shown = rf"\[?'?{re.escape(value)}(?:\.0)?'?\]?" if number else rf"\[?'{re.escape(value)}'\]?"
+    assert re.fullmatch(rf"{option}: got {shown} {re.escape(why)}; allowed with[^;]*", said)
+    assert [path.name for path in tmp_path.iterdir()] == ["case"]
+
+
+@pytest.mark.parametrize(("words", "said"), TWICE)
+def test_two_values_for_one_thing_are_refused(told, words, said):
+    assert told(words).startswith(said)
+
+
+def test_every_option_is_heeded_or_refused():
+    """So that a new option comes into one of the tables."""
+    group = typer.main.get_command(app)
+    for name in group.list_commands(None):
+        command = group.get_command(None, name)
+        options = {word[2:] for part in command.params for word in part.opts if word.startswith("--")}
+        sometimes = {option for words, option, *_ in REFUSED if words[0] == name}
+        assert options - {"help"} == sometimes | set(HEEDED[name].split()), name
+        assert not sometimes & set(HEEDED[name].split()), name
+
+
+def test_what_the_options_need_is_accepted(told):
+    """Then the next thing is complained of: nothing is there."""
+    assert told(["check", "--pack", "no", *IMPL, "--given", "size", "--timeout", "1"]).startswith("pack: ")
+    assert told(["diagnose", "--pack", "no", *IMPL, "--timeout", "1"]).startswith("pack: ")
+    assert told(["check", "--pack", "no", "--shader", "no.frag", "--bindings", "x"]).startswith("shader: ")
+    assert told(["compare", "no", "--tolerance", "0.1", "--max-samples", "64"]).startswith("scene: ")
+    assert told([*EXPLAIN[:1], "no", *EXPLAIN[2:], "--method", "mipmap", "--preset", "paper"]).startswith("scene: ")
+    assert told([*EXPLAIN[:1], "no", *EXPLAIN[2:], "--method", "mipmap", "--preset", ""]).startswith("preset: ")
