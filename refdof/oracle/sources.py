@@ -167,11 +167,10 @@ def _run(words: list[str], timeout: float) -> None:
         process.wait()
         reader.join(_LAST_WORDS_S)  # what has left the group may keep the pipe open
     lines = bytes(said).decode("utf-8", "replace").strip().splitlines()
-    last = lines[-1] if lines else "nothing on stderr"
     if status == NOT_SUPPORTED_STATUS:
-        raise NotSupported(last)
+        raise NotSupported(lines[-1] if lines else f"the command ended with status {status}: it does not do this case")
     if status != 0:
-        raise FileFault(f"the command ended with status {status}: {last}")
+        raise FileFault(f"the command ended with status {status}: {lines[-1] if lines else 'nothing on stderr'}")
 
 
 def _keep_end(pipe: Any, said: bytearray) -> None:

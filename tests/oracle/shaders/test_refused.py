@@ -1,5 +1,7 @@
 """Shaders in GLSL that cannot be drawn are refused in one line."""
 
+import re
+
 import pytest
 
 from refdof import InputError
@@ -33,6 +35,32 @@ REFUSED = {
         "uPixelSize: is float, 1 numbers; allowed are the 2",
     ),
 }
+
+
+ODD = {  # the type of a uniform: what reads it
+    "sampler1D": "texture(uThing, 0.5)",
+    "sampler3D": "texture(uThing, vec3(0.5))",
+    "samplerCube": "texture(uThing, vec3(0.5))",
+    "sampler2DArray": "texture(uThing, vec3(0.5))",
+    "sampler2DShadow": "vec4(texture(uThing, vec3(0.5)))",
+    "sampler2DRect": "texture(uThing, vec2(0.5))",
+    "samplerBuffer": "texelFetch(uThing, 0)",
+    "sampler2DMS": "texelFetch(uThing, ivec2(0), 0)",
+    "isampler2D": "vec4(texture(uThing, vec2(0.5)))",
+    "usampler2D": "vec4(texture(uThing, vec2(0.5)))",
+    "isampler2DArray": "vec4(texture(uThing, vec3(0.5)))",
+    "usamplerBuffer": "vec4(texelFetch(uThing, 0))",
+    "sampler2D[2]": "texture(uThing[0], vec2(0.5)) + texture(uThing[1], vec2(0.5))",
+    "float[3]": "vec4(uThing[0] + uThing[2])",
+    "mat2": "vec4(uThing[0], uThing[1])",
+    "mat4x3": "vec4(uThing * vec4(0.5), 1.0)",
+}
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_odd_types_are_named(outcomes, kind):
+    text = f"#version 330\nuniform {kind} uThing;\nout vec4 color;\nvoid main() {{ color = {ODD[kind]}; }}"
+    is_refused(outcomes, text, rf"^shader: shader\.frag: uThing: is of type {re.escape(kind)}; allowed are sampler2D, ")
 
 
 @pytest.mark.parametrize("name", REFUSED)

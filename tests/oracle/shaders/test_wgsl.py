@@ -76,7 +76,7 @@ REFUSED = {
     "no entry point": (WGSL.replace("@fragment\nfn main", "fn other"), "."),
     "a storage buffer": (
         WGSL + "@group(0) @binding(9) var<storage, read> more: array<f32>;\n",
-        r"more: is a array<f32>; allowed are",
+        r"more: is of type array<f32>; allowed are",
     ),
     "a uniform of unknown meaning": (
         WGSL.replace("uBehindFactor", "uMystery"),
@@ -93,6 +93,18 @@ REFUSED = {
         "fade: is an input, f32",
     ),
 }
+
+
+ODD = (
+    "texture_1d<f32>", "texture_3d<f32>", "texture_cube<f32>", "texture_2d_array<f32>", "texture_2d<i32>",
+    "texture_2d<u32>", "texture_depth_2d", "texture_multisampled_2d<f32>", "sampler_comparison",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_odd_types_are_named(outcomes, kind):
+    said = rf"^shader: shader\.wgsl: uThing: is of type {kind}; allowed are texture_2d<f32>, sampler, "
+    is_refused(outcomes, WGSL + f"@group(0) @binding(9) var uThing: {kind};\n", said)
 
 
 @pytest.mark.parametrize("name", REFUSED)

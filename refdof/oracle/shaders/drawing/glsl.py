@@ -9,22 +9,13 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from .gl_types import type_name
 from .glsl_text import compiler_message, has_initial_value, vertex_shader, whole_fragment
-from .slots import Given, ShaderFault, Slot
+from .slots import COUNTS, Given, ShaderFault, Slot
 
 __all__ = ["GLSL"]
 
-_TYPES = {
-    0x1406: "float",
-    **{0x8B50 + k: f"vec{k + 2}" for k in range(3)},
-    0x1404: "int",
-    **{0x8B53 + k: f"ivec{k + 2}" for k in range(3)},
-    0x1405: "uint",
-    **{0x8DC6 + k: f"uvec{k + 2}" for k in range(3)},
-    0x8B56: "bool",
-    **{0x8B57 + k: f"bvec{k + 2}" for k in range(3)},
-}
-_SAMPLER_2D = 0x8B5E
+_ALLOWED = "sampler2D, float, int, uint, bool and vectors of these"
 
 
 class GLSL:
@@ -59,11 +50,14 @@ class GLSL:
             if not isinstance(found, moderngl.Uniform):
                 continue
             member: Any = found  # moderngl's own types lack gl_type
-            if member.gl_type == _SAMPLER_2D and member.array_length == 1:
-                slots.append(Slot(name, "texture", "sampler2D"))
+            kind = type_name(member.gl_type, member.array_length)
+            if kind == "sampler2D":
+                slots.append(Slot(name, "texture", kind))
                 continue
-            kind = _TYPES.get(member.gl_type, f"type {member.gl_type:#x}") if member.array_length == 1 else "array"
-            slots.append(Slot(name, "uniform", kind, has_initial_value(text, name)))
+            has_default = has_initial_value(text, name)
+            if kind not in COUNTS and not has_default:
+                raise ShaderFault(f"{name}: is of type {kind}; allowed are {_ALLOWED}")
+            slots.append(Slot(name, "uniform", kind, has_default))
             self._initial[name] = member.value
         return slots
 

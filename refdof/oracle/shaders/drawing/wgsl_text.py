@@ -146,7 +146,7 @@ def _variable(
         members, size = _members(structs.get(kind, [("", name, kind)]))
         return Variable(name, "uniform", group, binding, members, size)
     allowed = "texture_2d<f32>, sampler, var<uniform>, and one texture_storage_2d<rgba32float, write>"
-    raise ShaderFault(f"{name}: is a {kind}; allowed are {allowed}")
+    raise ShaderFault(f"{name}: is of type {kind}; allowed are {allowed}")
 
 
 def _members(parts: list[tuple[str, str, str]]) -> tuple[tuple[Member, ...], int]:
@@ -154,7 +154,7 @@ def _members(parts: list[tuple[str, str, str]]) -> tuple[tuple[Member, ...], int
     members, end = [], 0
     for attributes, name, kind in parts:
         if kind not in _TYPES or attributes:
-            raise ShaderFault(f"{name}: is a {attributes}{kind} in a uniform; allowed are numbers and vectors")
+            raise ShaderFault(f"{name}: is of type {attributes}{kind} in a uniform; allowed are numbers and vectors")
         slot, size, alignment = _TYPES[kind]
         offset = -(-end // alignment) * alignment
         end = offset + size
