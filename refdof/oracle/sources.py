@@ -10,6 +10,7 @@ import signal
 import subprocess
 import tempfile
 import threading
+import uuid
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -28,6 +29,7 @@ NOT_SUPPORTED_STATUS = 77
 _MARK = re.compile(r"\{case\}|\{out\}")
 _KEPT = 2000  # bytes of what a command says
 _LAST_WORDS_S = 0.5
+_SWEEPS = 20
 _NOT_SUPPORTED = "not_supported.txt"
 
 
@@ -110,6 +112,9 @@ def of_folder(folder: Path) -> Source:
 def of_command(command: str, timeout: float) -> Source:
     """Run a command, with {case} and {out} in it, without a shell.
 
+    What it leaves behind is ended with it: its process group, and on Linux also what has left that and has not cleared
+    its environment. Elsewhere a child with a session of its own lives on.
+
     Raises
     ------
     InputError
@@ -147,11 +152,13 @@ def _with_given(task: Task, folder: Path) -> Path:
 
 
 def _run(words: list[str], timeout: float) -> None:
-    """Run to the end, or end it; and end what it has started and left behind in its process group."""
+    """Run to the end, or end it; and end what it has started and left behind."""
+    mark = f"REFDOF_RUN_{uuid.uuid4().hex}"
     try:
         process = subprocess.Popen(
-            words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
-        )
+            words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+            env={**os.environ, mark: "1"},
+        )  # fmt: skip
     except (OSError, ValueError) as error:
         raise FileFault(f"the command cannot be started: {error}") from None
     said = bytearray()
@@ -165,12 +172,29 @@ def _run(words: list[str], timeout: float) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-        reader.join(_LAST_WORDS_S)  # what has left the group may keep the pipe open
+        _end_marked(mark.encode())
+        reader.join(_LAST_WORDS_S)  # what lives on may keep the pipe open
     lines = bytes(said).decode("utf-8", "replace").strip().splitlines()
     if status == NOT_SUPPORTED_STATUS:
         raise NotSupported(lines[-1] if lines else f"the command ended with status {status}: it does not do this case")
     if status != 0:
         raise FileFault(f"the command ended with status {status}: {lines[-1] if lines else 'nothing on stderr'}")
+
+
+def _end_marked(mark: bytes) -> None:
+    """End processes that have left the group: as all that a command starts, they have its mark in their environment.
+
+    They are looked for again, as one may start another meanwhile. Only Linux shows environments as files.
+    """
+    for _ in range(_SWEEPS):
+        found = []
+        for place in Path("/proc").glob("[0-9]*/environ"):
+            with contextlib.suppress(OSError):  # it has ended, or is another user's
+                if mark in place.read_bytes():
+                    found.append(int(place.parent.name))
+                    os.kill(found[-1], signal.SIGKILL)
+        if not found:
+            return
 
 
 def _keep_end(pipe: Any, said: bytearray) -> None:

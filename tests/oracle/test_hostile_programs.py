@@ -1,5 +1,6 @@
 """Hostile functions and programs: none spoils a pack, is waited for too long, or gets a wrong verdict."""
 
+import sys
 import time
 
 import numpy as np
@@ -92,7 +93,7 @@ if os.fork() == 0:
     ],
 )
 def test_programs(copied, tmp_path, code, status, said):
-    if "setsid" in code:  # it is out of the group: nobody but this test ends it
+    if "setsid" in code:  # it is out of the group: where there is no /proc, nobody but this test ends it
         code = code.replace("while True:", f"while not pathlib.Path({str(tmp_path / 'end')!r}).exists():")
     began = time.monotonic()
     report = check_command(command(tmp_path, code), copied, timeout=1.5, plan=Plan(only="cards"))
@@ -102,6 +103,31 @@ def test_programs(copied, tmp_path, code, status, said):
     assert outcome.status == status, outcome.message
     assert said in outcome.message
     assert outcome.message.isprintable()
+
+
+BEATS = """
+if os.fork() == 0:
+    {leave}
+    while True:
+        time.sleep(0.01)
+        with open({file!r}, 'a') as file:
+            file.write('x')
+while not os.path.exists({file!r}):
+    time.sleep(0.01)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="what has left its process group is found in /proc, Linux's")
+@pytest.mark.parametrize("leave", ["os.setsid()", "os.setsid(); os.fork() and os._exit(0)"])
+@pytest.mark.parametrize(("then", "status"), [(RIGHT, "pass"), ("time.sleep(60)", "error")])
+def test_what_leaves_its_process_group_is_ended(pack, tmp_path, leave, then, status):
+    beats = tmp_path / "beats"
+    code = BEATS.format(leave=leave, file=str(beats)) + then
+    report = check_command(command(tmp_path, code), pack, timeout=1.5, plan=Plan(only="cards"))
+    assert statuses(report) == [status]
+    last = beats.stat().st_size
+    time.sleep(0.2)
+    assert beats.stat().st_size == last > 0
 
 
 @posix
