@@ -170,7 +170,7 @@ def scene_camera_lens(
     """
     pixels = None if size is None else _size(size)
     if f_number is not None and lens_file is None:
-        raise InputError(f"f-number: got {f_number:g} without --lens; allowed is one with a lens")
+        raise InputError(f"f-number: got {f_number:g} without --lens; allowed with one")
     system = None if lens_file is None else load_lens(lens_file)
     scene = load_scene(name)
     camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
