@@ -42,7 +42,8 @@ __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
 
 _BAND = 64  # rows
-_KEPT = 64  # px, reach of the largest disc whose areas are kept for the next, which may be as large
+_KEPT = 64  # px, reach of the largest disc whose shares are kept for the next, which may be as large
+_KEPT_ROW = 2 * (_KEPT + 2)  # of such a disc
 
 
 @dataclass(frozen=True)
@@ -141,15 +142,16 @@ def _scatter(color, discs, over):
     """Sums (H, W, 4) of shared colours and of shares."""
     height, width = color.shape[0], color.shape[1]
     places, rows, radii = discs.place, discs.row, discs.radius
-    sums = np.zeros((height, 4 * width), dtype=np.float64)
+    # A disc's rows would meet in the same lines of the cache if rows began a multiple of 4096 bytes apart.
+    sums = np.zeros((height, width + (10 - width) % 128, 4), dtype=np.float64)
     for band in prange((height + _BAND - 1) // _BAND):
         colors, out, centre, ys, rs = borrow(color), borrow(sums), borrow(places), borrow(rows), borrow(radii)
         first, end = band * _BAND, min((band + 1) * _BAND, height)
         size, disc, last = max(width, _KEPT + 2), -1, -1.0
-        arcs, disc_of_arc = np.zeros(size), np.full(size, -1)
-        areas, counts, disc_of_row = (
-            np.zeros((_KEPT + 1, size)),
-            np.zeros((_KEPT + 1, 2), np.int64),
+        arcs, disc_of_arc, areas = np.zeros(size), np.full(size, -1), np.zeros(size)
+        shares, outers, disc_of_row = (
+            np.zeros(max((_KEPT + 1) * _KEPT_ROW, 2 * size)),
+            np.zeros(_KEPT + 1, np.int64),
             np.full(_KEPT + 1, -1),
         )
         for k in range(len(ys)):
@@ -161,53 +163,54 @@ def _scatter(color, discs, over):
                 disc, last = k, r
             x = centre[k] - y * width
             even = 1.0 / (math.pi * r * r) if reach > 0 else 1.0
-            tint = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2]), even
+            tint = np.float64(colors[y, x, 0]), np.float64(colors[y, x, 1]), np.float64(colors[y, x, 2])
             low, row_of_low, widest = (0.0, 0.0), -1, max(x, width - 1 - x) + 1
             # Rows j above and below the centre are alike, and those of the next disc, if it is as large.
             for j in range(max(first - y, y - end + 1, 0), min(max(y - first, end - 1 - y), reach) + 1):
                 n = j if reach <= _KEPT else 0
+                middle = n * _KEPT_ROW + _KEPT_ROW // 2 if reach <= _KEPT else size
                 if reach == 0:
-                    counts[n, 0], counts[n, 1], disc_of_row[n] = 1, 1, disc
+                    shares[middle], outers[n], disc_of_row[n] = 1.0, 1, disc
                 elif reach > _KEPT or disc_of_row[n] != disc:
                     if row_of_low != j:
                         low = start_of_arc(max(j - 0.5, 0.0), r)
                     inner, outer, high = inner_count(j, r), outer_count(j, r), start_of_arc(j + 0.5, r)
                     outer = outer if reach <= _KEPT else min(outer, widest)
-                    covered_in_row(j, r, inner, outer, low, high, disc, arcs, disc_of_arc, areas[n])
+                    covered_in_row(j, r, inner, outer, low, high, disc, arcs, disc_of_arc, areas)
+                    _spread_row(even, min(inner, outer), outer, areas, shares, middle)
                     low, row_of_low = high, j + 1
-                    counts[n, 0], counts[n, 1], disc_of_row[n] = inner, outer, disc
-                _share_rows(out, (first, end), x, y, j, counts[n, 0], counts[n, 1], areas[n], tint, over)
-    return sums.reshape(height, width, 4)
+                    outers[n], disc_of_row[n] = outer, disc
+                _share_rows(out, (first, end), width, x, y, j, outers[n], shares, middle, tint, over)
+    return sums[:, :width]
 
 
 @inline
-def _share_rows(out, band, x, y, j, inner, outer, areas, tint, over):
+def _spread_row(even, inner, outer, areas, shares, middle):
+    """Write a row's shares around `middle`: pixels up to inner - 1 are covered, those up to outer - 1 in part."""
+    for i in range(middle - inner + 1, middle + inner):
+        shares[i] = even
+    for i in range(inner, outer):
+        share = even * areas[i]
+        shares[middle - i], shares[middle + i] = share, share
+
+
+@inline
+def _share_rows(out, band, width, x, y, j, outer, shares, middle, tint, over):
     """Add a disc's shares of the rows j above and below its centre (x, y), as far as they lie in the band."""
-    width = out.shape[1] // 4
-    begin, end = max(x - inner + 1, 0), min(x + inner, width)
-    right, left = min(x + outer, width) - (x + inner), min(outer, x + 1) - inner
+    begin, end = max(x - outer + 1, 0), min(x + outer, width)
+    row_shares = shares[middle + begin - x : middle + end - x]
     for side in range(2 if j > 0 else 1):
         row = y + j if side == 0 else y - j
-        if row < band[0] or row >= band[1]:
-            continue
-        line = out[row]
-        inside = line[4 * begin : 4 * max(end, begin)]
-        for i in range(len(inside) // 4):
-            _add(inside, i, tint, tint[3], over)
-        if right > 0:
-            outside = line[4 * (x + inner) : 4 * (x + inner + right)]
-            for i in range(len(outside) // 4):
-                _add(outside, i, tint, tint[3] * areas[inner + i], over)
-        if left > 0:
-            outside = line[4 * (x - inner - left + 1) : 4 * (x - inner + 1)]
-            for i in range(1 if inner == 0 else 0, left):  # the centre has its share
-                _add(outside, left - 1 - i, tint, tint[3] * areas[inner + i], over)
+        if row >= band[0] and row < band[1]:
+            line = out[row, begin:end]
+            for i in range(len(row_shares)):
+                _add(line, i, tint, row_shares[i], over)
 
 
 @inline
 def _add(line, i, tint, share, over):
     """Add a share of a colour to pixel i of a line, or blend it over what is there."""
-    red, green, blue, _ = tint
+    red, green, blue = tint
     if over:
         lay_share(line, i, (red, green, blue, 1.0), share)
     else:
