@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 from refdof import InputError
 from refdof.cli import app
 from refdof.methods import singlepass
-from refdof.oracle import write_pack
 from refdof.oracle.cases import Case
+from tests.packs import pack_of
 
 CASES = [
     Case("cards", "singlepass", "cards", (24, 18), {"max_blur_size": 8.0}),
@@ -22,11 +22,7 @@ CASES = [
 
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("explain") / "pack"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder)
-    return folder
+    return pack_of(CASES, tmp_path_factory.mktemp("explain") / "pack")
 
 
 def run(*words):

@@ -4,18 +4,14 @@ import shutil
 
 import pytest
 
-from refdof.oracle import write_pack
 from tests.oracle.small_pack import CASES
+from tests.packs import pack_of
 
 
 @pytest.fixture(scope="session")
 def pack(tmp_path_factory):
     """A pack of three small cases."""
-    folder = tmp_path_factory.mktemp("oracle") / "pack"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder)
-    return folder
+    return pack_of(CASES, tmp_path_factory.mktemp("oracle") / "pack")
 
 
 @pytest.fixture

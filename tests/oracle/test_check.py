@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from refdof import InputError
-from refdof.oracle import check, check_command, check_results, write_pack
+from refdof.oracle import check, check_command, check_results
 from refdof.oracle.junit import junit
 from tests.methods.singlepass.shader32 import listing
 from tests.oracle.small_pack import CASES, command, flip_bit, port, rewrite, write_results
+from tests.packs import pack_of
 
 pytestmark = pytest.mark.fast
 
@@ -221,9 +222,7 @@ def test_commands_without_folders_are_refused(pack, words):
 
 
 def test_a_pack_is_the_same_bytes_again(pack, tmp_path):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(tmp_path / "again")
+    pack_of(CASES, tmp_path / "again")
     for path in pack.rglob("*"):
         if path.is_file():
             assert (tmp_path / "again" / path.relative_to(pack)).read_bytes() == path.read_bytes()

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from refdof import InputError
 from refdof.cli import app
 from refdof.methods.singlepass.params import GOLDEN_ANGLE
-from refdof.oracle import diagnose, write_pack
+from refdof.oracle import diagnose
 from refdof.oracle.cases import Case
 from refdof.oracle.diagnosis.beyond import in_place as beyond_in_place
 from refdof.oracle.diagnosis.beyond import turned as beyond_turned
@@ -26,6 +26,7 @@ from refdof.oracle.diagnosis.tap_switches import tap_switches
 from refdof.oracle.files import open_pack
 from refdof.oracle.sources import of_function
 from tests.oracle.wrong_ports import WRONG, in_place, mixed, port, short_and_shifted, turned
+from tests.packs import pack_of
 
 CASES = [
     Case("cards", "singlepass", "cards", (40, 30)),
@@ -37,11 +38,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory):
     """A pack of three small cases."""
-    folder = tmp_path_factory.mktemp("diagnosis") / "pack"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder)
-    return folder
+    return pack_of(CASES, tmp_path_factory.mktemp("diagnosis") / "pack")
 
 
 def test_every_cause_has_a_stage_and_one_key():

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from refdof.methods.poisson import Params, code_of, gather, shrink
-from refdof.oracle import Plan, check, write_pack
+from refdof.oracle import Plan, check
 from refdof.oracle.cases import Case
 from refdof.stages import Stages
 from tests.oracle.small_pack import of_case, staged_port, stages_of, statuses
+from tests.packs import pack_of
 
 pytestmark = pytest.mark.fast
 
@@ -94,15 +95,11 @@ PLANES = {"near_plane": 1.0, "focus_plane": 2.0, "far_plane": 6.0}
 
 @pytest.fixture(scope="module")
 def poisson_pack(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("poisson") / "pack"
     cases = [
         Case("linear", "poisson", "hdr", (16, 12), PLANES, stages=Stages((4,))),
         Case("thin_lens", "poisson", "hdr", (16, 12), {"code": "thin_lens"}, stages=Stages((4,))),
     ]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: cases)
-        write_pack(folder)
-    return folder
+    return pack_of(cases, tmp_path_factory.mktemp("poisson") / "pack")
 
 
 def poisson_port(color, depth, coc, params, faults):

@@ -5,8 +5,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from refdof.oracle import Plan, check_command, write_pack
+from refdof.oracle import Plan, check_command
 from refdof.oracle.cases import Case
+from tests.packs import pack_of
 from tests.ports.cases import mutated
 from tests.ports.test_c_port import SOURCE, build, compiler  # noqa: F401 (a fixture)
 
@@ -39,11 +40,7 @@ IGNORED = {
 
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("oracle") / "pack"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder)
-    return folder
+    return pack_of(CASES, tmp_path_factory.mktemp("oracle") / "pack")
 
 
 def check(source, compiler, folder, pack, plan=Plan()):  # noqa: F811 (the fixture's value)

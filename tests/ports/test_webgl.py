@@ -15,8 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from refdof.oracle import check_results, write_pack
+from refdof.oracle import check_results
 from refdof.oracle.cases import Case
+from tests.packs import pack_of
 from tests.ports import chromium
 from tests.ports.cases import mutated
 
@@ -65,9 +66,7 @@ def root(browser, tmp_path_factory):
     """The folder that is served: the page and a pack."""
     folder = tmp_path_factory.mktemp("served")
     shutil.copytree(FOLDER, folder / "webgl")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: CASES)
-        write_pack(folder / "pack")
+    pack_of(CASES, folder / "pack")
     return folder
 
 

@@ -15,11 +15,10 @@ from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
-from refdof.oracle import diagnose, write_pack
+from refdof.oracle import diagnose
 from refdof.oracle.cases import Case
 from refdof.oracle.checking import STATUSES, Report, check_source
 from refdof.oracle.files import FileFault
@@ -28,6 +27,7 @@ from refdof.oracle.sources import Source, Task, of_command, of_folder
 from tests.gl.shader import open_context
 from tests.oracle.mutations.row import TEXTS, Row
 from tests.oracle.mutations.table import Result
+from tests.packs import pack_of
 
 __all__ = ["CASES", "Bench", "results_of", "write_small_pack"]
 
@@ -48,9 +48,7 @@ TIMEOUT_S = 20.0
 
 def write_small_pack(folder: Path) -> Path:
     """Write a pack of `CASES`."""
-    with mock.patch("refdof.oracle.pack.cases_of", return_value=CASES):
-        write_pack(folder)
-    return folder
+    return pack_of(CASES, folder)
 
 
 class Bench:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from refdof import InputError
-from refdof.oracle import check_shader, write_pack
+from refdof.oracle import check_shader
 from refdof.oracle.cases import Case
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.shaders.process import Process
@@ -82,14 +82,6 @@ def varying(depth=PLANAR):
 def function_only():
     """A function without a main, as articles print them, with the numbers of focus as arguments."""
     return (HEAD + PLANAR + LOOP).replace("texture2D", "texture").replace("precision highp float;", "")
-
-
-def write(folder, cases=CASES):
-    """Write a pack of `cases`."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("refdof.oracle.pack.cases_of", lambda level, methods: cases)
-        write_pack(folder)
-    return folder
 
 
 class Kept:

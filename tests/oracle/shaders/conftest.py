@@ -4,12 +4,13 @@ import pytest
 
 from refdof.oracle import check_shader
 from refdof.oracle.shaders import source
-from tests.oracle.shaders.cases import Kept, need, write
+from tests.oracle.shaders.cases import CASES, Kept, need
+from tests.packs import pack_of
 
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory):
-    return write(tmp_path_factory.mktemp("shaders") / "pack")
+    return pack_of(CASES, tmp_path_factory.mktemp("shaders") / "pack")
 
 
 @pytest.fixture(scope="module")

@@ -21,8 +21,8 @@ from tests.oracle.shaders.cases import (
     passes_the_core_pack,
     statuses,
     varying,
-    write,
 )
+from tests.packs import pack_of
 from tests.ports.cases import mutated
 
 pytestmark = pytest.mark.gl
@@ -78,7 +78,7 @@ def test_filters_of_depth(tmp_path):
     """A filter blends what the texture holds: depth itself, or what is linear in its inverse, as a z-buffer."""
     need("frag", tmp_path)
     filters = [Case(word, "singlepass", "bar", (24, 18), {"depth_filter": word}) for word in DEPTH_FILTERS]
-    pack = write(tmp_path / "pack", filters)
+    pack = pack_of(filters, tmp_path / "pack")
     (tmp_path / "planar.frag").write_text(varying())
     (tmp_path / "device.frag").write_text(varying(DEVICE))
     (tmp_path / "bindings.toml").write_text('tDepth = "device"')
@@ -147,14 +147,12 @@ def test_the_published_listing_as_it_stands(tmp_path):
     article = next(Path(os.environ["REFDOF_SEEDS"]).glob("004*")).read_text()
     listing = mutated(article.split("```")[-2], "vTexCoord", "texCoord")
     (tmp_path / "listing.frag").write_text(listing)
-    pack = write(
-        tmp_path / "pack",
-        [
-            Case(f"noise_{width}_{rows}", "singlepass", "noise", (width, height), {"row_order": rows}, rows)
-            for width, height in ((320, 240), (317, 239))
-            for rows in ("down", "up")
-        ],
-    )
+    cases = [
+        Case(f"noise_{width}_{rows}", "singlepass", "noise", (width, height), {"row_order": rows}, rows)
+        for width, height in ((320, 240), (317, 239))
+        for rows in ("down", "up")
+    ]
+    pack = pack_of(cases, tmp_path / "pack")
     found = check_shader(tmp_path / "listing.frag", pack).outcomes
     print(*found, sep="\n")
     assert statuses(found) == ["pass"] * 4
