@@ -119,7 +119,7 @@ def _do(job: str, view: View) -> None:
 
 
 if __name__ == "__main__":  # a worker: a job a line
-    gc.disable()  # compiling leaves much that lives on; looking through it took an eighth of the time
+    gc.disable()  # compiling leaves much that lives on; looking through it took a seventh of the time
     scene = load_scene(_SCENE)
     shared = View(scene, scene.camera.with_size(_SIZE), scene.lens)
     for line in sys.stdin:
