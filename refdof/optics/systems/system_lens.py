@@ -71,7 +71,11 @@ class SystemLens(ThinLens):
         pupil = entrance_pupil(stopped)
         if math.isinf(pupil.z):
             raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
-        sensor_for(system, focus_distance * mm)  # raises if it cannot be focused there
+        try:
+            sensor_for(system, focus_distance * mm)
+        except InputError as error:
+            unit = f"; a scene unit is {mm:g} mm" if str(error).startswith("focus_distance") else ""
+            raise InputError(f"{error}{unit}") from None
         super().__init__(pupil.radius / mm, focus_distance)
         for name, value in {"system": system, "f_number": f_number, "mm_per_unit": mm, "stopped": stopped}.items():
             object.__setattr__(self, name, value)
