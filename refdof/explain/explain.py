@@ -23,6 +23,7 @@ from refdof.explain.explanation import Explanation
 from refdof.explain.pictures import Pictures, pictures_of
 from refdof.explain.stages import explain_stage
 from refdof.methods import METHODS
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.view import View
 
 __all__ = ["EXPLAINERS", "explain_pictures", "explain_view"]
@@ -62,7 +63,7 @@ def explain_view(method: str, view: View, params: Any, pixel: tuple[int, int], s
     """
     as_instance("view", view, View)
     _check(method, params, pixel, view.camera.size)
-    if view.lens_map() is not None and method in ("accumulation", "lensblur"):
+    if isinstance(view.lens, SystemLens) and method in ("accumulation", "lensblur"):
         raise InputError(f"lens: got a lens system; allowed for an explanation of {method} is a thin lens")
     given = pictures_of(view) if METHODS[method].METHOD.kind == "single image" else view
     return _explained(method, given, params, pixel, stage)

@@ -8,8 +8,9 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-from refdof import InputError
+from refdof import METHODS, InputError, SystemLens, View, load_lens, load_scene
 from refdof.cli import app
+from refdof.explain import explain_view
 from refdof.methods import singlepass
 from refdof.oracle.cases import Case
 from tests.packs import pack_of
@@ -94,3 +95,11 @@ def test_other_files_are_not_replaced(pack, tmp_path):
     with pytest.raises(InputError, match=r"^out: got"):
         run(pack / "cases" / "cards", "--pixel", "0,0", "--out", tmp_path)
     assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
+def test_a_lens_system_is_refused_where_its_rays_are_not_explained():
+    scene = load_scene("fence")
+    lens = SystemLens(load_lens("biconvex"), 8.0)
+    view = View(scene, scene.camera.with_size((9, 9)), lens)
+    with pytest.raises(InputError, match="lens: got a lens system; allowed for an explanation of accumulation"):
+        explain_view("accumulation", view, METHODS["accumulation"].Params(), (4, 4))

@@ -112,7 +112,7 @@ def test_a_fault_is_named(tmp_path, suffix, old, new, says):
     ids=["empty", "zeros", "bytes", "png", "half a word", "brackets"],
 )
 def test_a_file_of_something_else_is_refused(tmp_path, suffix, data):
-    refusal(tmp_path, suffix, data)
+    assert refusal(tmp_path, suffix, data)
 
 
 def test_too_many_surfaces_are_refused_before_they_are_made(tmp_path):
