@@ -169,8 +169,8 @@ def scene_camera_lens(
     A lens system is scaled so that its entrance pupil, open as far as it goes, has the lens radius.
     """
     pixels = None if size is None else _size(size)
-    if f_number is not None and lens_file is None:
-        raise InputError(f"f-number: got {f_number:g} without --lens; allowed with one")
+    if lens_file is None:
+        refuse_ignored("without --lens", "with it", f_number=f_number)
     system = None if lens_file is None else load_lens(lens_file)
     scene = load_scene(name)
     camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
