@@ -22,6 +22,7 @@ from tests.ports import chromium
 from tests.ports.cases import mutated
 
 FOLDER = Path(__file__).parents[2] / "ports" / "webgl"
+CORE = Path(__file__).parents[2] / "data" / "packs" / "core"
 CASES = [
     Case("cards", "singlepass", "cards", (24, 18)),
     Case("noise", "singlepass", "noise", (29, 23)),
@@ -143,6 +144,20 @@ def test_the_page_s_own_shader_passes_and_its_zip_is_downloaded(tab, browser, ad
     print({outcome.case: outcome.message for outcome in report.outcomes})
     assert report.passed
     assert statuses_of(report) == STATUSES
+
+
+def test_the_core_pack(tab, address, root, tmp_path):
+    if not CORE.is_dir():
+        pytest.skip("there is no core pack beside the code")
+    shutil.copytree(CORE, root / "core")
+    tab.open(f"{address}/webgl/index.html?pack=../core")
+    assert ended(tab)[0] == "done"
+    found = statuses_of(report_of(tab, CORE, tmp_path))
+    assert {name: status for name, (status, _) in rows_of(tab).items()} == found
+    assert len(found) == 28
+    assert all(
+        status == ("pass" if name.startswith("singlepass") else "not supported") for name, status in found.items()
+    )
 
 
 @pytest.mark.parametrize("way", ["chosen", "dropped"])
