@@ -14,6 +14,7 @@ from refdof._check import InputError
 from refdof.methods import METHODS
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
+from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.lens_samples import lens_samples
 from refdof.optics.systems.prescription import load_lens
@@ -36,6 +37,7 @@ __all__ = [
     "SCENES",
     "Aperture",
     "Camera",
+    "ExpressiveLens",
     "Forecast",
     "InputError",
     "LensSystem",

@@ -15,9 +15,10 @@ import numpy as np
 from refdof._check import Float, Index, as_instance, as_integer
 from refdof._jit import compilations
 from refdof.optics.camera import Camera
+from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.projection import Projection, projection_of
-from refdof.optics.systems.lens_map import LensMap
+from refdof.optics.ray_map import RayMap
 from refdof.optics.systems.system_lens import SystemLens
 from refdof.raster.rays.embree import Tracer, new_tracer
 from refdof.raster.rays.exact_layers import Layers, count_surfaces, exact_layers
@@ -105,14 +106,18 @@ class View:
         """Camera and lens for kernels."""
         return projection_of(self.camera, self.lens, self.surfaces().exponent)
 
-    def lens_map(self) -> LensMap | None:
-        """The lens system for kernels, in the unit of length of the surfaces; None is a thin lens."""
+    def ray_map(self) -> RayMap | None:
+        """The lens's rays for kernels, in the unit of length of the surfaces; None is a plain thin lens."""
 
-        def build() -> LensMap | None:
-            lens = self.lens
-            return lens.map_of(self.camera, self.surfaces().exponent) if isinstance(lens, SystemLens) else None
+        def build() -> RayMap | None:
+            lens, camera = self.lens, self.camera
+            if isinstance(lens, SystemLens):
+                return RayMap(lens.map_of(camera, self.surfaces().exponent), None)
+            if isinstance(lens, ExpressiveLens):
+                return RayMap(None, lens.map_of(camera, self.surfaces().exponent))
+            return None
 
-        return self.product("lens map", build)
+        return self.product("ray map", build)
 
     def pinhole(self) -> Pinhole:
         """Colour and depth through the pixel centres."""

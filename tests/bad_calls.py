@@ -18,7 +18,7 @@ from unittest import mock
 import numpy as np
 
 import refdof
-from refdof import METHODS, Aperture, Camera, Light, Material, Part, Scene, ThinLens, View
+from refdof import METHODS, Aperture, Camera, ExpressiveLens, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded, poisson, singlepass
@@ -61,6 +61,7 @@ class Door(NamedTuple):
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(3, 2))
 LARGER = CAMERA.with_size((11, 11))  # the window of SSIM
 LENS, PINHOLE = ThinLens(0.25, 3.0), ThinLens(0.0, 3.0)
+EXPRESSIVE = ExpressiveLens(0.25, 3.0, 0.5, power=(1.0, 1.1), image_offset=(0.0, 0.1))
 CORNERS = np.array([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 1.0]])
 FACES = np.array([[0, 1, 2]])
 UV = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])
@@ -200,6 +201,22 @@ DOORS: dict[str, Door] = {
         {"focal_length": 0.05, "f_number": 2.0, "focus_distance": 3.0, "aperture": None},
         {"focal_length": ("focus_distance", "f_number")},
     ),
+    "refdof.optics.expressive_lens.ExpressiveLens": Door(
+        ExpressiveLens,
+        {
+            "radius": 0.25,
+            "focus_distance": 3.0,
+            "focal_length": 0.5,
+            "power": (1.0, 1.1),
+            "ray_weights": (1.0, 2.0),
+            "image_offset": (0.0, 0.1),
+            "indices": (1.5, 1.5, 1.5),
+            "aperture": Aperture.disc(),
+        },
+        {"focus_distance": ("focal_length",), "focal_length": ("image_offset",)},
+    ),
+    "refdof.optics.expressive_lens.ExpressiveLens.coc_px": Door(EXPRESSIVE.coc_px, {"depth": DEPTH, "camera": CAMERA}),
+    "refdof.optics.expressive_lens.ExpressiveLens.inverse_focus": Door(EXPRESSIVE.inverse_focus, {"camera": CAMERA}),
     "refdof.optics.lens.ThinLens.coc_px": Door(LENS.coc_px, {"depth": DEPTH, "camera": CAMERA}),
     "refdof.optics.pixel_samples.lens_point_sets": Door(
         lens_point_sets, {"count": 4, "aperture": Aperture.disc(), "jitter": "noise", "pattern": "sobol", "seed": 0}
@@ -486,7 +503,7 @@ DOORS |= {
 INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
-    "optics.projection",
+    "optics.projection", "optics.expressive_map", "optics.ray_map",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.lens_toml",
     "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
@@ -555,6 +572,12 @@ INNER = {
     "refdof.view.Triangles",
     "refdof.view.View.booking",
     "refdof.view.View.product",
+    "refdof.optics.expressive_lens.ExpressiveLens.as_thin",
+    "refdof.optics.expressive_lens.ExpressiveLens.largest_circle_px",
+    "refdof.optics.expressive_lens.ExpressiveLens.map_of",
+    "refdof.optics.lens.ThinLens.as_thin",
+    "refdof.optics.lens.ThinLens.largest_circle_px",
+    "refdof.optics.lens.rounded",
 }
 INNER |= {
     f"refdof.optics.systems.{word}"

@@ -23,6 +23,7 @@ from refdof.explain.explanation import Explanation
 from refdof.explain.pictures import Pictures, pictures_of
 from refdof.explain.stages import explain_stage
 from refdof.methods import METHODS
+from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.systems.system_lens import SystemLens
 from refdof.view import View
 
@@ -63,8 +64,10 @@ def explain_view(method: str, view: View, params: Any, pixel: tuple[int, int], s
     """
     as_instance("view", view, View)
     _check(method, params, pixel, view.camera.size)
-    if isinstance(view.lens, SystemLens) and method in ("accumulation", "lensblur"):
-        raise InputError(f"lens: got a lens system; allowed for an explanation of {method} is a thin lens")
+    if isinstance(view.lens, SystemLens | ExpressiveLens) and method in ("accumulation", "lensblur"):
+        raise InputError(
+            f"lens: got one whose rays are its own; allowed for an explanation of {method} is a plain thin lens"
+        )
     given = pictures_of(view) if METHODS[method].METHOD.kind == "single image" else view
     return _explained(method, given, params, pixel, stage)
 

@@ -17,7 +17,7 @@ from refdof._check import Float, InputError, as_depth, as_instance, as_number, s
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 
-__all__ = ["ThinLens"]
+__all__ = ["ThinLens", "rounded"]
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class ThinLens:
         if math.isinf(focus):
             with np.errstate(over="ignore"):
                 coc = -pixels * (self.radius / exact) if math.isinf(scale) else -scale / exact
-                return _rounded(coc, array.dtype)
+                return rounded(coc, array.dtype)
         # The difference 1/focus - 1/depth cancels near focus; (depth - focus) / depth does not, and
         # 1 - focus / depth is the same number for far depths, where the former would be inf / inf.
         far = exact >= 2.0 * focus
@@ -113,10 +113,18 @@ class ThinLens:
         with np.errstate(over="ignore"):
             ratio = np.where(far, 1.0 - focus / exact, (near - focus) / near)
             slope = pixels * (self.radius / focus) if math.isinf(scale) else scale / focus
-            return _rounded(min(slope, sys.float_info.max) * ratio, array.dtype)  # inf times a ratio of 0 is no number
+            return rounded(min(slope, sys.float_info.max) * ratio, array.dtype)  # inf times a ratio of 0 is no number
+
+    def as_thin(self, depth: Float, camera: Camera) -> tuple[Float, "ThinLens"]:
+        """Depths, and a plain thin lens that gives them the circles of confusion that this lens gives to `depth`."""
+        return depth, self
+
+    def largest_circle_px(self, depth: Float, camera: Camera) -> float:
+        """The largest circle of confusion of these depths [px]."""
+        return float(np.abs(self.coc_px(depth, camera)).max())
 
 
-def _rounded(coc: Float, dtype: np.dtype) -> Float:
+def rounded(coc: Float, dtype: np.dtype) -> Float:
     """Round once to `dtype`; what is too large for it becomes its largest number, not infinity."""
     largest = np.finfo(dtype).max
     return np.clip(coc, -largest, largest).astype(dtype)

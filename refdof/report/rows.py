@@ -13,6 +13,7 @@ import numpy as np
 
 from refdof.comparison import Comparison, Row
 from refdof.metrics import FLIP_PPD, METRICS
+from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
 from refdof.optics.systems.system_lens import SystemLens
@@ -122,5 +123,13 @@ def lens_as_json(lens: ThinLens) -> dict[str, Any]:
             "name": lens.system.name,
             "f_number": plain(f_number(lens.stopped)),
             "mm_per_unit": plain(lens.mm_per_unit),
+        }
+    if isinstance(lens, ExpressiveLens):
+        facts["expressive"] = {
+            "focal_length": plain(lens.focal_length),
+            "power": plain(lens.power),
+            "ray_weights": plain(lens.ray_weights),
+            "image_offset": plain(lens.image_offset),
+            "indices": plain(lens.indices),
         }
     return facts

@@ -34,7 +34,7 @@ def first_samples(view: View, tolerance: float) -> Index:
         corners = points[faces[group]]  # (n, 3, 3): x, y, depth
         if not (corners[..., 2] > 0.0).all():
             continue
-        circle = float(np.abs(lens.coc_px(corners[..., 2], camera)).max())
+        circle = lens.largest_circle_px(corners[..., 2], camera)
         a, b = corners[:, 1, :2] - corners[:, 0, :2], corners[:, 2, :2] - corners[:, 0, :2]
         area = float(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) / 4.0  # half: a closed body is seen once
         share = area / (math.pi * circle * circle) if circle > 0.0 else 1.0

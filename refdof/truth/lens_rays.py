@@ -11,8 +11,9 @@ A packet is fast if its rays meet the same triangles. The replicates of one pixe
 replicates than rays in a packet, so do neighbouring cells of neighbouring pixels. The layout changes no bit.
 
 A thin lens's ray starts at the lens point (E vx, E vy, 0) and passes its pixel's point on the focal plane. A system's
-ray starts where it crosses the plane of the entrance pupil, and has a weight, `refdof.optics.systems.lens_map`. Their
-directions have z = -1, so that the ray parameter is the planar depth.
+ray starts where it crosses the plane of the entrance pupil, and has a weight, `refdof.optics.systems.lens_map`; that of
+an expressive lens is bent by the place in the aperture, `refdof.optics.expressive_map`. All directions have z = -1, so
+that the ray parameter is the planar depth.
 """
 
 from typing import Any, NamedTuple
@@ -25,7 +26,8 @@ from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
 from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
 from refdof.optics.projection import Projection
-from refdof.optics.systems.lens_map import LensMap, borrow_lens_map, lens_map_block, new_scratch
+from refdof.optics.ray_map import RayMap, borrow_ray_map, ray_block
+from refdof.optics.systems.lens_map import new_scratch
 from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
@@ -42,7 +44,7 @@ _MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
 class Aim(NamedTuple):
     """How rays leave the lens. shared: one pattern for all pixels; box: sample the pixel's area, not its centre.
 
-    lens_map: of a lens system, and the index of its wavelength; None for a thin lens.
+    ray_map: of any other lens than a plain thin one, and the index of its wavelength; None for that.
     """
 
     projection: Projection
@@ -50,7 +52,7 @@ class Aim(NamedTuple):
     seed: np.uint32
     shared: bool
     box: bool
-    lens_map: LensMap | None = None
+    ray_map: RayMap | None = None
     wavelength: int = 0
 
 
@@ -79,7 +81,7 @@ def trace_block(surfaces, traversal, aim, block, pixels, sums):
     group = min(sums.shape[0], LANES)
     cells = _cells_together(len(block.cells), group)
     strands = len(traversal.packets) * LANES // cells
-    rays, weights = np.zeros((4, strands * cells)), _new_weights(aim.lens_map, strands * cells)
+    rays, weights = np.zeros((4, strands * cells)), _new_weights(aim.ray_map, strands * cells)
     tangents = np.zeros((2, strands))
     seeds = np.zeros((4, strands), dtype=np.uint32)
     column_of = np.zeros((1 << block.column_bits, strands), dtype=np.uint32)
@@ -115,13 +117,13 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
         borrow_block(block),
     )
     packets, integers = borrow(traversal.packets), borrow(traversal.packets.view(np.int32))
-    projection, lens_map, pixels = aim.projection, _borrow_lens_map(aim.lens_map), borrow(pixels)
+    projection, ray_map, pixels = aim.projection, _borrow_rays(aim.ray_map), borrow(pixels)
     first_packet, stride = traversal.packets.ctypes.data, 4 * ROWS * LANES
     valid, arguments = traversal.query.ctypes.data, traversal.query.ctypes.data + 64
     group, strands = sums.shape[0], sums.shape[0] * sums.shape[1]
     rays, weights, tangents, seeds = borrow(work[0]), borrow(work[1]), borrow(work[2]), borrow(work[3])
     column_of, row_of, totals = borrow(work[4]), borrow(work[5]), borrow(work[6])[:strands]
-    memory = _new_scratch(lens_map)
+    memory = _new_scratch(ray_map)
     scratch = borrow(memory)
     used = (strands * cells + LANES - 1) // LANES
     totals[:] = 0.0
@@ -138,11 +140,11 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
             else:
                 dx[:], dy[:] = 0.5, 0.5
             weight = weights[begin:end]
-            _aim_rays(lens_map, scratch, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weight)
+            _aim_rays(ray_map, scratch, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weight)
         _fill_packets(rays, strands, cells, used, packets, integers)
         for k in range(used):
             call_address(traversal.packet, valid, traversal.scene, first_packet + k * stride, arguments)
-        _gather(surfaces, integers, rays, weights, lens_map, cells, totals)
+        _gather(surfaces, integers, rays, weights, ray_map, cells, totals)
     for p in range(len(pixels)):
         for g in range(group):
             for c in range(3):
@@ -200,25 +202,25 @@ def _square_points(block, axis, columns, rows, seeds_x, seeds_y, x, y):
 
 
 @inline
-def _new_weights(lens_map, count):
+def _new_weights(ray_map, count):
     """Memory for the weights of rays: all rays of a thin lens weigh the same."""
-    return np.zeros(0) if lens_map is None else np.zeros(count)
+    return np.zeros(0) if ray_map is None else np.zeros(count)
 
 
 @inline
-def _new_scratch(lens_map):
-    return np.zeros(0) if lens_map is None else new_scratch()
+def _new_scratch(ray_map):
+    return np.zeros(0) if ray_map is None else new_scratch()
 
 
 @inline
-def _borrow_lens_map(lens_map):
-    return None if lens_map is None else borrow_lens_map(lens_map)
+def _borrow_rays(ray_map):
+    return None if ray_map is None else borrow_ray_map(ray_map)
 
 
 @inline
-def _aim_rays(lens_map, scratch, wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights):
+def _aim_rays(ray_map, scratch, wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weights):
     """Turn square points and places in the pixel into origins and directions, in place, and write the rays' weights."""
-    if lens_map is None:
+    if ray_map is None:
         _on_lens(aperture_sampler, x, y)
         _towards_focus(projection, tangents[0], tangents[1], x, y, dx, dy)
     else:
@@ -227,7 +229,7 @@ def _aim_rays(lens_map, scratch, wavelength, aperture_sampler, projection, tange
             column = 0.5 * projection.width + tangents[0, s] * pixels + dx[s]
             row = 0.5 * projection.height - tangents[1, s] * pixels + dy[s]
             dx[s], dy[s] = column, row
-        lens_map_block(lens_map, wavelength, scratch, dx, dy, x, y, dx, dy, weights)
+        ray_block(ray_map, wavelength, scratch, dx, dy, x, y, dx, dy, weights)
 
 
 @inline
@@ -276,13 +278,13 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
 
 
 @inline
-def _weight(lens_map, weights, ray):
+def _weight(ray_map, weights, ray):
     """A ray's weight; a constant for a thin lens, which the compiler takes out."""
-    return 1.0 if lens_map is None else weights[ray]
+    return 1.0 if ray_map is None else weights[ray]
 
 
 @inline
-def _gather(surfaces, integers, rays, weights, lens_map, cells, totals):
+def _gather(surfaces, integers, rays, weights, ray_map, cells, totals):
     """Add what every ray sees to totals (strands, 3), cell after cell."""
     strands = len(totals)
     for k in range((strands * cells + LANES - 1) // LANES):
@@ -294,7 +296,7 @@ def _gather(surfaces, integers, rays, weights, lens_map, cells, totals):
         red, green, blue = totals[s, 0], totals[s, 1], totals[s, 2]
         for c in range(cells):
             k, lane, source = (s * cells + c) // LANES, (s * cells + c) % LANES, c * strands + s
-            weight = _weight(lens_map, weights, source)
+            weight = _weight(ray_map, weights, source)
             if weight == 0.0:
                 continue
             if integers[k, _GEOM, lane] == -1:

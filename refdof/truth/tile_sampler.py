@@ -57,9 +57,9 @@ class TileSampler:
         self.most_points = int(power_of_two(spend.most / replicates))
         self._surfaces, self._tracer = view.surfaces(), view.tracer()
         plain = view.projection(), aperture_sampler_of(view.lens.aperture), np.uint32(seed), shared_pattern, box
-        lens_map = view.lens_map()
-        waves = 1 if lens_map is None else len(lens_map.ratios)
-        self._aims = [Aim(*plain, lens_map, wave) for wave in range(waves)]
+        ray_map = view.ray_map()
+        waves = 1 if ray_map is None else ray_map.waves
+        self._aims = [Aim(*plain, ray_map, wave) for wave in range(waves)]
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:

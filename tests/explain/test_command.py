@@ -101,5 +101,7 @@ def test_a_lens_system_is_refused_where_its_rays_are_not_explained():
     scene = load_scene("fence")
     lens = SystemLens(load_lens("biconvex"), 8.0)
     view = View(scene, scene.camera.with_size((9, 9)), lens)
-    with pytest.raises(InputError, match="lens: got a lens system; allowed for an explanation of accumulation"):
+    with pytest.raises(
+        InputError, match="lens: got one whose rays are its own; allowed for an explanation of accumulation"
+    ):
         explain_view("accumulation", view, METHODS["accumulation"].Params(), (4, 4))

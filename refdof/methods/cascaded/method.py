@@ -221,6 +221,7 @@ def blur_buffers(
 
 def layering_of(depth: Float, camera: Camera, lens: ThinLens, params: Params = Params()) -> Layering:
     """The layers that surfaces at `depth` (M, H, W), NaN for none, call for."""
+    depth, lens = lens.as_thin(depth, camera)
     near, far = _depth_range(depth)
     scale = camera.pixels_per_tangent * lens.radius
     nearest, farthest = (float(c) for c in lens.coc_px(np.array([near, far]), camera))
@@ -243,6 +244,7 @@ def _blend(
     color: Float, depth: Float, camera: Camera, lens: ThinLens, params: Params, recorder: StageRecorder
 ) -> Float:
     """`blur_buffers` after validation."""
+    depth, lens = lens.as_thin(depth, camera)
     used = 1 + int(np.flatnonzero(~np.isnan(depth).all(axis=(1, 2)))[-1])
     layering = layering_of(depth, camera, lens, params)
     boundary = "extrapolate" if params.boundary == "extrapolate" else "hard"

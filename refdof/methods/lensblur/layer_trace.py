@@ -28,14 +28,14 @@ from refdof.methods.lensblur.tile_rays import (
     brightness,
     cut_rays,
     enter,
+    is_mapped,
     is_missed,
-    is_system,
-    new_system_memory,
+    new_mapped_memory,
 )
 from refdof.methods.lensblur.tile_walk import LANES, PLACES, TILE, new_lanes, walk_tile
 from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection
-from refdof.optics.systems.lens_map import LensMap
+from refdof.optics.ray_map import RayMap
 from refdof.raster.filters.n_buffer import n_buffer
 from refdof.raster.rays.gbuffer import GBUFFER_CHANNELS, shade_gbuffer
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
@@ -74,7 +74,7 @@ class Choices(NamedTuple):
 class _Shared(NamedTuple):
     """What all pixels share. points (K, R, 2) [right and down per px of parallax], weights (K, R), sets as in
     `LensPointSets`; spread: the points' largest coordinate; focus [px of parallax]; top (G,): each pack's greatest
-    parallax; misses: an index of `MISSES`; lens_map, wavelength: as in `trace_layers`.
+    parallax; misses: an index of `MISSES`; ray_map, wavelength: as in `trace_layers`.
     """
 
     points: Float
@@ -88,7 +88,7 @@ class _Shared(NamedTuple):
     misses: int
     linear: bool
     projection: Projection
-    lens_map: LensMap | None
+    ray_map: RayMap | None
     wavelength: int
 
 
@@ -123,7 +123,7 @@ def trace_layers(
     pattern: LensPointSets,
     pinhole: Float,
     choices: Choices = Choices(),
-    lens_map: LensMap | None = None,
+    ray_map: RayMap | None = None,
     wavelength: int = 0,
 ) -> Traced:
     """Trace a lens's rays.
@@ -142,13 +142,14 @@ def trace_layers(
     pinhole : (H, W, 3) float32
         What missed rays see if misses are "pinhole", or if they are "renormalise" and no ray is left.
     choices : Choices
-        A lens system needs a stride.
-    lens_map, wavelength : LensMap, int
-        A lens system, whose rays `pattern` names by points of the unit square, and the index of its wavelength.
+        A map needs a stride.
+    ray_map, wavelength : RayMap, int
+        A lens's map, whose rays `pattern` names by points of the unit square, and the index of its wavelength; None:
+        a thin lens, whose points they are.
     """
     groups, height, width, _ = stack.packs.shape
     dtype = stack.packs.dtype
-    points = pattern.points if lens_map is not None else pattern.points * [1.0, -1.0]  # x right, y down
+    points = pattern.points if ray_map is not None else pattern.points * [1.0, -1.0]  # x right, y down
     traced = Traced(
         np.empty((height, width, 3), dtype=np.float32),
         np.empty((groups, height, width), dtype=dtype),
@@ -161,7 +162,7 @@ def trace_layers(
     shared = _Shared(
         points.astype(dtype), pattern.weights, pattern.set, float(np.abs(points).max(initial=0.0)), scalar(focus), top,
         choices.stride, choices.iterations, MISSES.index(choices.misses), bool(choices.linear),
-        projection, lens_map, wavelength,
+        projection, ray_map, wavelength,
     )  # fmt: skip
     tops = np.ascontiguousarray(stack.packs[..., 0])
     if values.shape[3] == 3:  # a fourth number, which sums up the weights
@@ -190,8 +191,8 @@ def _trace_rows(stack, tops, values, surfaces, shared, pinhole, first, last, tra
     groups, width, scalar = packs.shape[0], packs.shape[2], packs.dtype.type
     numbers, places = np.empty(LANES * TILE, dtype=packs.dtype), np.empty(PLACES * TILE, dtype=np.uint32)
     lanes, beside = new_lanes(borrow(numbers), borrow(places)), new_beside(borrow(numbers), borrow(places))
-    projection, lens_map = shared.projection, shared.lens_map
-    own = new_system_memory(lens_map, TILE, points.shape[1])
+    projection, ray_map = shared.projection, shared.ray_map
+    own = new_mapped_memory(ray_map, TILE, points.shape[1])
     chosen, inside, weight = np.empty(TILE, np.int64), np.empty(TILE, np.bool_), np.empty(TILE)
     sums, missed = np.empty((TILE, 4)), np.empty(TILE)
     for y in range(first, last):
@@ -205,7 +206,7 @@ def _trace_rows(stack, tops, values, surfaces, shared, pinhole, first, last, tra
             within = cut_rays(stack, shared, own, points, chosen, left, y, near, far, inside)
             sums[:], missed[:] = 0.0, 0.0
             for n in range(points.shape[1]):
-                aim(lens_map, own, shared.focus, points, weights, chosen, n, y, lanes, weight, count)
+                aim(ray_map, own, shared.focus, points, weights, chosen, n, y, lanes, weight, count)
                 if not within:
                     enter(tops[0], shared, inside, lanes, count)
                 for group in range(groups):
@@ -240,8 +241,8 @@ def _trace_rows(stack, tops, values, surfaces, shared, pinhole, first, last, tra
                 if misses != _RENORMALISE or total == 0.0:
                     total += missed[k]
                 image = traced.image[y, x]
-                if is_system(lens_map):
-                    total = max(total, 1e-300) / brightness(lens_map, own, k, points.shape[1])  # no light: all are 0
+                if is_mapped(ray_map):
+                    total = max(total, 1e-300) / brightness(ray_map, own, k, points.shape[1])  # no light: all are 0
                 image[0], image[1], image[2] = red / total, green / total, blue / total
                 traced.steps[y, x], traced.missed[y, x] = lanes.walked[k] / points.shape[1], missed[k] / points.shape[1]
     numbers[0], places[0] = scalar(0.0), np.uint32(0)  # memory that is lent must not be freed before

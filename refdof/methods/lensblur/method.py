@@ -45,9 +45,9 @@ import numpy as np
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
 from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, Traced, new_stack, trace_layers
+from refdof.optics.aperture import Aperture
 from refdof.optics.lens_samples import PATTERNS, square_points
 from refdof.optics.pixel_samples import JITTERS, LensPointSets, lens_point_sets
-from refdof.optics.systems.system_lens import SystemLens
 from refdof.raster.rays.exact_layers import Layers
 from refdof.raster.rays.gbuffer import gbuffer_of
 from refdof.raster.rays.surfaces import Surfaces
@@ -185,11 +185,13 @@ def prepare(view: View, params: Params) -> Prepared:
         values = view.product(
             f"lensblur attributes {name}", lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
         )
-    pattern = lens_point_sets(params.samples, view.lens.aperture, params.jitter, params.pattern, params.seed)
+    mapped = view.ray_map() is not None
+    aperture = Aperture.disc() if mapped else view.lens.aperture
+    pattern = lens_point_sets(params.samples, aperture, params.jitter, params.pattern, params.seed)
     footprint = params.footprint
     if footprint == "closed" and np.hypot(*pattern.points.T).max() > 1.0 + 1e-12:  # but for roundings
         footprint = "rays"
-    if isinstance(view.lens, SystemLens):  # no closed form, and no disc
+    if mapped:  # no closed form; the map takes the unit square to its own aperture
         footprint = "rays" if footprint == "closed" else footprint
         pattern = pattern._replace(points=square_points(pattern.points))
     choices = Choices(FOOTPRINTS[footprint], params.iterations, params.misses, params.filter == "linear")
@@ -200,9 +202,9 @@ def trace(view: View, scene: Prepared) -> Traced:
     """Steps 3 to 5; of a lens with dispersion, each colour is traced at its own wavelength."""
     focus = float(_parallax(view, view.lens.focus_distance))
     given = scene.stack, scene.values, scene.surfaces, view.projection(), focus, scene.pattern, view.pinhole().color
-    lens_map = view.lens_map()
-    waves = 1 if lens_map is None else len(lens_map.ratios)
-    traced = [trace_layers(*given, scene.choices, lens_map, wave) for wave in range(waves)]
+    ray_map = view.ray_map()
+    waves = 1 if ray_map is None else ray_map.waves
+    traced = [trace_layers(*given, scene.choices, ray_map, wave) for wave in range(waves)]
     middle = traced[len(traced) // 2]
     for channel, other in enumerate(traced):
         middle.image[..., channel] = other.image[..., channel] if len(traced) > 1 else middle.image[..., channel]

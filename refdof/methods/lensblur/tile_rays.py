@@ -16,15 +16,16 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.lensblur.footprint import narrow, ray_bounds
 from refdof.methods.lensblur.texel_walk import PACK, Ray, enter_picture
-from refdof.optics.systems.lens_map import lens_map_block, new_scratch
+from refdof.optics.ray_map import even_light, ray_block
+from refdof.optics.systems.lens_map import new_scratch
 
-__all__ = ["aim", "brightness", "cut_rays", "enter", "is_missed", "is_system", "new_system_memory"]
+__all__ = ["aim", "brightness", "cut_rays", "enter", "is_mapped", "is_missed", "new_mapped_memory"]
 
 
 @inline
-def new_system_memory(lens_map, pixels, rays):
+def new_mapped_memory(ray_map, pixels, rays):
     """Memory (5, pixels, rays) for what a lens system does with each ray; a thin lens needs none."""
-    return np.empty((5, 0, 0)) if lens_map is None else np.empty((5, pixels, rays))
+    return np.empty((5, 0, 0)) if ray_map is None else np.empty((5, pixels, rays))
 
 
 @inline
@@ -37,13 +38,13 @@ def cut_rays(stack, shared, own, points, chosen, left, y, near, far, inside):
     height, width, scalar = packs.shape[1], packs.shape[2], packs.dtype.type
     rays = np.empty((4, points.shape[1]), dtype=packs.dtype)
     nearest, within = max(top.max(), scalar(0.0)), True
-    reach = np.inf if is_system(shared.lens_map) else _reach(shared.spread, focus, nearest, width, height)
+    reach = np.inf if is_mapped(shared.ray_map) else _reach(shared.spread, focus, nearest, width, height)
     for k in range(near.shape[1]):
         x, half = left + k, scalar(0.5)
         center = scalar(x) + half, scalar(y) + half, focus
         inside[k] = reach < min(x, y) and x + 1 + reach < width and y + 1 + reach < height
         if shared.stride > 0 or not inside[k]:
-            _aim_all(shared.lens_map, shared, own, k, points[chosen[k]], center, rays)
+            _aim_all(shared.ray_map, shared, own, k, points[chosen[k]], center, rays)
             inside[k] = _all_inside(rays, nearest, width, height)
             within = within and inside[k]
         for group in range(len(near)):
@@ -66,22 +67,22 @@ def _room(spread, focus, near, width, height):
 
 
 @inline
-def is_system(lens_map):
+def is_mapped(ray_map):
     """Whether rays are a lens system's; the compiler knows."""
-    return lens_map is not None
+    return ray_map is not None
 
 
 @inline
-def _aim_all(lens_map, shared, own, k, lens, center, rays):
+def _aim_all(ray_map, shared, own, k, lens, center, rays):
     """Rays (4, R) of one pixel, the k-th of its tile, for lens points (R, 2)."""
-    if lens_map is None:
+    if ray_map is None:
         _aim_thin_lens(lens, center, rays)
     else:
-        _aim_system(lens_map, shared, own, k, lens, center, rays)
+        _aim_mapped(ray_map, shared, own, k, lens, center, rays)
 
 
 @inline
-def _aim_system(lens_map, shared, own, k, lens, center, rays):
+def _aim_mapped(ray_map, shared, own, k, lens, center, rays):
     """Rays (4, R) of a lens system for points (R, 2) of the unit square; those that are blocked repeat another."""
     scalar, projection = rays.dtype.type, shared.projection
     pixels = projection.pixels_per_tangent
@@ -90,7 +91,7 @@ def _aim_system(lens_map, shared, own, k, lens, center, rays):
     for n in range(len(lens)):
         mine[0, n], mine[1, n], mine[2, n], mine[3, n] = lens[n, 0], lens[n, 1], center[0], center[1]
     scratch = new_scratch()
-    lens_map_block(lens_map, shared.wavelength, scratch, mine[2], mine[3], mine[0], mine[1], mine[2], mine[3], mine[4])
+    ray_block(ray_map, shared.wavelength, scratch, mine[2], mine[3], mine[0], mine[1], mine[2], mine[3], mine[4])
     for n in range(len(lens)):
         x, y, dx, dy = mine[0, n], mine[1, n], mine[2, n], mine[3, n]
         rays[0, n], rays[1, n] = scalar(middle_x + pixels * dx), scalar(middle_y - pixels * dy)
@@ -122,16 +123,16 @@ def _all_inside(rays, near, width, height):
 
 
 @inline
-def aim(lens_map, own, focus, points, weights, chosen, n, y, lanes, weight, count):
+def aim(ray_map, own, focus, points, weights, chosen, n, y, lanes, weight, count):
     """The n-th rays of a tile's pixels and their weights, with nothing met so far; rays without weight are missed."""
-    if lens_map is None:
+    if ray_map is None:
         _aim_thin_lenses(focus, points, weights, chosen, n, y, lanes, weight, count)
     else:
-        _aim_systems(own, n, lanes, weight, count)
+        _aim_mapped_rays(own, n, lanes, weight, count)
 
 
 @inline
-def _aim_systems(own, n, lanes, weight, count):
+def _aim_mapped_rays(own, n, lanes, weight, count):
     scalar = lanes.ax.dtype.type
     for k in range(count):
         lanes.ax[k], lanes.ay[k] = scalar(own[0, k, n]), scalar(own[1, k, n])
@@ -156,9 +157,14 @@ def _aim_thin_lenses(focus, points, weights, chosen, n, y, lanes, weight, count)
 
 
 @inline
-def brightness(lens_map, own, k, rays):
-    """The light of a pixel, the k-th of its tile, through all of the lens; 1 for a thin lens."""
-    return 1.0 if lens_map is None else own[4, k].sum() / rays
+def brightness(ray_map, own, k, rays):
+    """The light of a pixel, the k-th of its tile, through all of the lens; 1 for thin and expressive lenses."""
+    return 1.0 if ray_map is None else _brightness(ray_map, own, k, rays)
+
+
+@inline
+def _brightness(ray_map, own, k, rays):
+    return 1.0 if even_light(ray_map) else own[4, k].sum() / rays
 
 
 @inline
