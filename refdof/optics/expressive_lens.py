@@ -22,7 +22,7 @@ References
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -71,11 +71,14 @@ class ExpressiveLens(ThinLens):
         If a number is out of range or the focus distance is not above the focal length.
     """
 
-    focal_length: float = field(init=False)
-    power: tuple[float, ...] = field(init=False)
-    ray_weights: tuple[float, ...] = field(init=False)
-    image_offset: Float = field(init=False)
-    indices: tuple[float, float, float] = field(init=False)
+    radius: float
+    focus_distance: float
+    aperture: Aperture
+    focal_length: float
+    power: tuple[float, ...]
+    ray_weights: tuple[float, ...]
+    image_offset: Float
+    indices: tuple[float, float, float]
 
     def __init__(
         self,
