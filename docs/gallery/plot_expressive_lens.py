@@ -2,8 +2,8 @@
 Aberrations as controls
 =======================
 
-A thin lens whose aberrations are set one by one (Lee, Eisemann and Seidel 2010, section 5.3), on lamps behind the plane in
-focus and tiles in it.
+A thin lens whose aberrations are set one by one (Lee, Eisemann and Seidel 2010, section 5.3), on lamps behind the plane
+in focus and tiles in it.
 """
 
 import matplotlib.pyplot as plt
@@ -25,7 +25,8 @@ for column in range(-8, 8):
     for row in range(-6, 0):
         white = (column + row) % 2 == 0
         paint = refdof.Material("unlit", base_color=(0.75, 0.75, 0.7) if white else (0.12, 0.14, 0.2))
-        parts.append(refdof.Part(square * 0.06 + np.array([column * 0.12 + 0.06, row * 0.12 + 0.06, -3.0]), faces, paint))
+        corners = square * 0.06 + np.array([column * 0.12 + 0.06, row * 0.12 + 0.06, -3.0])
+        parts.append(refdof.Part(corners, faces, paint))
 camera = refdof.Camera.look_at((0, 0, 0), (0, 0, -1), fov_y=26.0, size=(240, 160))
 shot = {"radius": 0.12, "focus_distance": 3.0, "focal_length": 0.1}
 scene = refdof.Scene.from_parts("lamps", parts, camera, refdof.ThinLens(0.12, 3.0), background=(0.01, 0.01, 0.02))

@@ -52,10 +52,10 @@ def ray_block(ray_map, wavelength, scratch, columns, rows, x, y, dx, dy, weights
 
 @inline
 def _block(system, expressive, wavelength, scratch, columns, rows, x, y, dx, dy, weights):
-    if system is None:
-        expressive_block(expressive, wavelength, columns, rows, x, y, dx, dy, weights)
-    else:
+    if system is not None:  # two questions: the compiler takes out what is asked of a None, not what is asked besides
         lens_map_block(system, wavelength, scratch, columns, rows, x, y, dx, dy, weights)
+    if expressive is not None:
+        expressive_block(expressive, wavelength, columns, rows, x, y, dx, dy, weights)
 
 
 @inline
