@@ -23,7 +23,7 @@ from refdof._check import Float
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import entrance_pupil, exit_pupil, image_scale
 from refdof.optics.systems.system import LensSystem
-from refdof.optics.systems.trace import SurfaceTable, Traced, table_of, trace, traced
+from refdof.optics.systems.trace import Traced, part_of, table_of, trace, traced
 
 __all__ = [
     "FilmLight",
@@ -88,8 +88,7 @@ def _without_rims(
     system: LensSystem, origins: Float, ways: Float, wavelength_um: float, *, first: int = 0, reverse: bool = False
 ) -> Traced:
     """Rays (N, 3) through the surfaces from `first` on, blocked by no rim but the stop's."""
-    whole = table_of(system, wavelength_um, rims=False)
-    table = SurfaceTable(*(np.ascontiguousarray(column[..., first:]) for column in whole))
+    table = part_of(table_of(system, wavelength_um, rims=False), slice(first, None))
     return traced(table, reverse, np.ascontiguousarray(origins), np.ascontiguousarray(ways))
 
 

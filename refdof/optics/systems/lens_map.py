@@ -29,10 +29,11 @@ from refdof._check import Float, InputError, as_float, as_instance, as_integer, 
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.optics.camera import Camera
 from refdof.optics.systems.glass import LINE_D
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for
-from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, pupil_bounds
+from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, light_through, pupil_bounds
 from refdof.optics.systems.system import LensSystem
-from refdof.optics.systems.trace import BLOCK, SurfaceTable, refract_block, surface_at, table_of, trace_ray, traced
+from refdof.optics.systems.trace import BLOCK, SurfaceTable, refract_all, table_of, trace_ray
 
 __all__ = [
     "RGB_WAVELENGTHS",
@@ -68,6 +69,8 @@ class LensMap(NamedTuple):
     eye: float  # z of the entrance pupil [mm]
     scale: float  # scene units of a millimetre
     inverse_centre: float  # one over the centre's area times cosine^4 [1 / mm^2]
+    splines: Float | None = None  # (N, M, M), as in `SurfaceTable`
+    limits: Float | None = None  # (N, 5)
 
 
 @inline
@@ -76,11 +79,30 @@ def borrow_lens_map(o):
     return LensMap(
         borrow(o.vertex), borrow(o.curvature), borrow(o.rim), borrow(o.ratios), o.plane, o.sensor, o.reach,
         borrow(o.boxes), o.width, o.height, o.pitch, o.eye, o.scale, o.inverse_centre,
+        _borrow_fields(o.splines), _borrow_fields(o.limits),
     )  # fmt: skip
 
 
+@inline
+def _borrow_fields(array):
+    return None if array is None else borrow(array)
+
+
+@inline
+def _table_at(lens_map, wavelength):
+    """The lens at one wavelength."""
+    return SurfaceTable(
+        lens_map.vertex,
+        lens_map.curvature,
+        lens_map.rim,
+        lens_map.ratios[wavelength],
+        lens_map.splines,
+        lens_map.limits,
+    )
+
+
 def lens_map_of(
-    system: LensSystem,
+    system: LensSystem | HeightLens,
     camera: Camera,
     focus_distance: float,
     *,
@@ -93,7 +115,7 @@ def lens_map_of(
 
     Parameters
     ----------
-    system : LensSystem
+    system : LensSystem or HeightLens
     camera : Camera
         Only its picture size and, without `sensor_height`, its field of view count: camera space is where rays are.
     focus_distance : float
@@ -114,6 +136,7 @@ def lens_map_of(
         If the lens cannot be focused there, or no light comes to the sensor's centre.
     """
     as_instance("camera", camera, Camera)
+    lens, system = system, system.paraxial if isinstance(system, HeightLens) else system
     as_instance("system", system, LensSystem)
     millimetres = as_number("millimetres", millimetres, minimum=1e-6, maximum=1e6)
     focus = as_number("focus_distance", focus_distance, above=0.0, finite=False) * millimetres
@@ -125,9 +148,9 @@ def lens_map_of(
         pitch = image_scale(system, focus) / camera.pixels_per_tangent
     else:
         pitch = as_number("sensor_height", sensor_height, minimum=1e-3, maximum=1e4) / camera.height
-    tables = [table_of(system, wavelength, rims=rims) for wavelength in wavelengths]
+    tables = [table_of(lens, wavelength, rims=rims) for wavelength in wavelengths]
     reach = 0.5 * math.hypot(camera.width, camera.height) * pitch * (1.0 + 1e-9)  # a rounding
-    each = [pupil_bounds(system, reach, sensor=sensor, wavelength_um=w, rims=rims) for w in wavelengths]
+    each = [pupil_bounds(lens, reach, sensor=sensor, wavelength_um=w, rims=rims) for w in wavelengths]
     boxes = each[0].boxes
     for other in each[1:]:
         boxes = joined_boxes(boxes, other.boxes)
@@ -143,23 +166,9 @@ def lens_map_of(
         pitch,
         entrance_pupil(system, LINE_D).z,
         1.0 / millimetres,
-        1.0 / _light_at_centre(middle, each[len(tables) // 2]),
+        1.0 / light_through(middle, each[len(tables) // 2]),
+        *middle[4:],
     )
-
-
-def _light_at_centre(table: SurfaceTable, bounds: PupilBounds) -> float:
-    """Integral of cosine^4 over what the sensor's centre sees [mm^2]: pi r^2 cosine^2 of a disc's rim."""
-    depth, low, high = bounds.sensor - bounds.plane, 0.0, bounds.boxes[0, 1]
-    for _ in range(3):
-        radii = np.linspace(low, high, 257)
-        directions = np.stack([radii, 0.0 * radii, 0.0 * radii - depth], axis=1)
-        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-        passed = traced(table, True, np.tile([0.0, 0.0, bounds.sensor], (257, 1)), directions).passed
-        if not passed.any():
-            raise InputError("system: no light comes to the sensor's centre; allowed is a lens that it sees through")
-        last = int(np.flatnonzero(passed)[-1])
-        low, high = radii[last], radii[min(last + 1, 256)]
-    return math.pi * low * low * depth * depth / (depth * depth + low * low)
 
 
 def lens_map_rays(lens_map: LensMap, places: Float, squares: Float, wavelength: int = 0) -> tuple[Float, Float]:
@@ -218,7 +227,7 @@ def lens_map_block(lens_map, wavelength, scratch, columns, rows, x, y, dx, dy, w
     x and y hold the square's points, and then the rays'. dx and dy may be the memory of columns and rows; scratch is of
     `new_scratch`.
     """
-    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, lens_map.ratios[wavelength])
+    table = _table_at(lens_map, wavelength)
     for first in range(0, len(x), BLOCK):
         here = min(BLOCK, len(x) - first)
         scratch[:] = 0.0
@@ -228,8 +237,7 @@ def lens_map_block(lens_map, wavelength, scratch, columns, rows, x, y, dx, dy, w
             scratch[i], scratch[BLOCK + i], scratch[2 * BLOCK + i] = px, py, lens_map.sensor
             scratch[3 * BLOCK + i], scratch[4 * BLOCK + i], scratch[5 * BLOCK + i] = wx, wy, wz
             scratch[6 * BLOCK + i] = 1.0
-        for step in range(len(table.vertex)):
-            refract_block(surface_at(table, True, step), scratch)
+        refract_all(table.splines, table, True, scratch)
         for i in range(here):
             k = first + i
             px, py, pz = scratch[i], scratch[BLOCK + i], scratch[2 * BLOCK + i]
@@ -245,7 +253,7 @@ def lens_map_ray(lens_map, column, row, u, v, wavelength):
     The ray passes (x, y, 0) in camera space, in scene units, and runs along (slope_x, slope_y, -1). A ray that does not
     pass has weight 0, and is the axis.
     """
-    table = SurfaceTable(lens_map.vertex, lens_map.curvature, lens_map.rim, lens_map.ratios[wavelength])
+    table = _table_at(lens_map, wavelength)
     x, y, dx, dy, dz, weight = _aim(lens_map, column, row, u, v)
     x, y, z, dx, dy, dz, passed = trace_ray(table, True, x, y, lens_map.sensor, dx, dy, dz)
     return _arrive(lens_map, x, y, z, dx, dy, dz, weight if passed else 0.0)

@@ -17,19 +17,23 @@ References
 .. [1] Pharr, Jakob & Humphreys (2016), Physically Based Rendering, 3rd edition, section 6.4.5.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, as_instance, as_integer, as_number
+from refdof._check import Float, InputError, as_instance, as_integer, as_number
 from refdof._jit import inline, kernel, prange
 from refdof.optics.systems.glass import LINE_D
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.paraxial import exit_pupil
 from refdof.optics.systems.system import LensSystem
-from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray
+from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray, traced
 
-__all__ = ["PupilBounds", "bounds_at", "joined_boxes", "pupil_bounds"]
+__all__ = ["PupilBounds", "bounds_at", "joined_boxes", "light_through", "pupil_bounds"]
 
+_SQUARES = 512  # a side: as many as are wrong lie at the rim, and make up 1e-4 of a disc
+_DARK = "system: no light comes to the sensor's centre; allowed is a lens that it sees through"
 _GRIDS = (64, 64, 256)  # points a side; each is laid on what the one before found
 
 
@@ -43,7 +47,7 @@ class PupilBounds(NamedTuple):
 
 
 def pupil_bounds(
-    system: LensSystem,
+    system: LensSystem | HeightLens,
     reach: float,
     *,
     sensor: float | None = None,
@@ -55,7 +59,9 @@ def pupil_bounds(
 
     Parameters
     ----------
-    system : LensSystem
+    system : LensSystem or HeightLens
+        Of a height lens, which may be of any shape, the boxes hold all that comes through the rim of its back, from
+        sensor points in every direction from the axis.
     reach : float
         Half the sensor's diagonal [mm].
     sensor : float or None
@@ -65,18 +71,21 @@ def pupil_bounds(
     intervals : int
         K, 1 to 1024.
     rims : bool
-        False: only the stop bounds the light, without mechanical vignetting.
+        False: only the stop bounds the light, without mechanical vignetting; of a height lens, its rim too.
 
     Raises
     ------
     InputError
         If the sensor is not behind the lens.
     """
+    lens, system = system, system.paraxial if isinstance(system, HeightLens) else system
     as_instance("system", system, LensSystem)
     reach = as_number("reach", reach, above=0.0, maximum=1e4)
     last, surface = float(system.vertices[-1]), system.surfaces[-1]
     sensor = as_number("sensor", system.sensor if sensor is None else sensor, above=last, maximum=1e6)
     intervals = as_integer("intervals", intervals, minimum=1, maximum=1024)
+    if isinstance(lens, HeightLens):
+        return PupilBounds(last, sensor, reach, _seen_rim(lens, sensor - last, np.linspace(0.0, reach, intervals + 1)))
     table = table_of(system, wavelength_um, rims=rims)
 
     # A ray to the rim meets the plane farther out if the surface bulges.
@@ -93,6 +102,18 @@ def pupil_bounds(
     for count in _GRIDS[1:]:
         boxes = _bounded(table, last, sensor, radii, boxes, count)
     return PupilBounds(last, sensor, reach, boxes)
+
+
+def _seen_rim(lens: HeightLens, depth: float, radii: Float) -> Float:
+    """Boxes (K, 3) around a height lens's back, as points of a sensor at a depth behind its vertex see it."""
+    low, high = lens.limits[1, :2]
+    if not depth > high:
+        raise InputError(f"sensor: is {depth:g} mm behind the lens; allowed is more than its back's sag, {high:.6g}")
+    # A point of the surface at height z is seen from the distance depth - z, enlarged in the plane.
+    scales = depth / (depth - np.array([[low], [high]]))
+    half = 0.5 * lens.diameter * scales
+    x0, x1 = (radii * (1.0 - scales) + side * half for side in (-1.0, 1.0))
+    return np.stack([x0.min(axis=0), x1.max(axis=0), np.full(len(radii), half.max())], axis=1)
 
 
 def _bounded(table: SurfaceTable, plane: float, sensor: float, radii: Float, boxes: Float, count: int) -> Float:
@@ -142,6 +163,36 @@ def joined_boxes(one: Float, two: Float) -> Float:
     joined = np.stack([np.minimum(one[:, 0], two[:, 0]), *np.maximum(one[:, 1:], two[:, 1:]).T], axis=1)
     joined = np.where((one[:, 1] <= one[:, 0])[:, None], two, joined)
     return np.where((two[:, 1] <= two[:, 0])[:, None], one, joined)
+
+
+def light_through(table: SurfaceTable, bounds: PupilBounds) -> float:
+    """Integral of cosine^4 over what the sensor's centre sees [mm^2]: pi r^2 cosine^2 of a disc's rim."""
+    depth, low, high = bounds.sensor - bounds.plane, 0.0, bounds.boxes[0, 1]
+    if table.splines is not None:
+        return _light_by_squares(table, depth, bounds)
+    for _ in range(3):
+        radii = np.linspace(low, high, 257)
+        directions = np.stack([radii, 0.0 * radii, 0.0 * radii - depth], axis=1)
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        passed = traced(table, True, np.tile([0.0, 0.0, bounds.sensor], (257, 1)), directions).passed
+        if not passed.any():
+            raise InputError(_DARK)
+        last = int(np.flatnonzero(passed)[-1])
+        low, high = radii[last], radii[min(last + 1, 256)]
+    return math.pi * low * low * depth * depth / (depth * depth + low * low)
+
+
+def _light_by_squares(table: SurfaceTable, depth: float, bounds: PupilBounds) -> float:
+    """`light_through` of a lens that is not round, by small squares of the box."""
+    x0, x1, y1 = bounds.boxes[0]
+    at = (np.arange(_SQUARES) + 0.5) / _SQUARES
+    x, y = np.meshgrid(x0 + (x1 - x0) * at, y1 * (2.0 * at - 1.0))
+    directions = np.stack([x.ravel(), y.ravel(), np.full(x.size, -depth)], axis=1)
+    passed = traced(table, True, np.tile([0.0, 0.0, bounds.sensor], (x.size, 1)), directions).passed
+    if not passed.any():
+        raise InputError(_DARK)
+    square = depth**2 / (directions[passed] ** 2).sum(axis=1)  # of the cosine
+    return float((square**2).sum()) * 2.0 * y1 * (x1 - x0) / x.size
 
 
 @inline

@@ -15,6 +15,7 @@ from refdof._check import InputError, as_instance, as_number
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, LensMap, lens_map_of
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for, stopped_down
 from refdof.optics.systems.system import LensSystem
@@ -33,7 +34,7 @@ class SystemLens(ThinLens):
 
     Parameters
     ----------
-    system : LensSystem
+    system : LensSystem or HeightLens
     focus_distance : float
         From the entrance pupil to what is in focus near the axis [scene units], > 0; ``inf`` is allowed.
     f_number : float, optional
@@ -51,14 +52,19 @@ class SystemLens(ThinLens):
     radius: float = field(init=False)
     focus_distance: float
     aperture: Aperture = field(init=False)
-    system: LensSystem
+    system: LensSystem | HeightLens
     f_number: float | None
     mm_per_unit: float
-    stopped: LensSystem = field(init=False)  # the system with the stop of the f-number
+    stopped: LensSystem = field(init=False)  # the system with the stop of the f-number; of a height lens, the paraxial
 
     def __init__(
-        self, system: LensSystem, focus_distance: float, f_number: float | None = None, mm_per_unit: float = 1000.0
+        self,
+        system: LensSystem | HeightLens,
+        focus_distance: float,
+        f_number: float | None = None,
+        mm_per_unit: float = 1000.0,
     ) -> None:
+        given, system = system, system.paraxial if isinstance(system, HeightLens) else system
         as_instance("system", system, LensSystem)
         mm = as_number("mm_per_unit", mm_per_unit, above=0.0)
         focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
@@ -77,7 +83,7 @@ class SystemLens(ThinLens):
             unit = f"; a scene unit is {mm:g} mm" if str(error).startswith("focus_distance") else ""
             raise InputError(f"{error}{unit}") from None
         super().__init__(pupil.radius / mm, focus_distance)
-        for name, value in {"system": system, "f_number": f_number, "mm_per_unit": mm, "stopped": stopped}.items():
+        for name, value in {"system": given, "f_number": f_number, "mm_per_unit": mm, "stopped": stopped}.items():
             object.__setattr__(self, name, value)
 
     def seen_by(self, camera: Camera) -> Camera:
@@ -92,9 +98,10 @@ class SystemLens(ThinLens):
         Lengths in the scene are in 2^exponent scene units.
         """
         waves = RGB_WAVELENGTHS if self._disperses() else RGB_WAVELENGTHS[1:2]
-        made = lens_map_of(
-            self.stopped, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit
-        )
+        lens: LensSystem | HeightLens = self.stopped
+        if isinstance(self.system, HeightLens):
+            lens = self.system.with_stop(self.stopped.surfaces[0].semi_diameter)
+        made = lens_map_of(lens, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit)
         return made._replace(scale=math.ldexp(made.scale, -exponent))
 
     def _disperses(self) -> bool:

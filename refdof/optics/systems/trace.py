@@ -24,14 +24,16 @@ import numpy.typing as npt
 
 from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
+from refdof.optics.systems.height_field import FieldSurface, refract_at_field
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.system import LensSystem
 
 __all__ = [
     "BLOCK",
     "SurfaceTable",
     "Traced",
-    "refract_block",
-    "surface_at",
+    "part_of",
+    "refract_all",
     "table_of",
     "trace",
     "trace_path",
@@ -50,6 +52,8 @@ class SurfaceTable(NamedTuple):
     curvature: Float  # (N,) [1/mm]; 0 is flat
     rim: Float  # (N,) square of the clear radius [mm^2]; inf lets every ray pass
     ratio: Float  # (2, N): index in front of the surface over index behind it; and the inverse
+    splines: Float | None = None  # (N, M, M) of height fields, which then stand for the spheres
+    limits: Float | None = None  # (N, 5) of `height_field.limits_of`
 
 
 class Traced(NamedTuple):
@@ -61,26 +65,35 @@ class Traced(NamedTuple):
 
 
 def table_of(
-    system: LensSystem, wavelength_um: float, *, dtype: npt.DTypeLike = np.float64, rims: bool = True
+    system: LensSystem | HeightLens, wavelength_um: float, *, dtype: npt.DTypeLike = np.float64, rims: bool = True
 ) -> SurfaceTable:
     """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept."""
+    fields: tuple[Float, ...] = ()
+    if isinstance(system, HeightLens):
+        fields, system = (system.splines, system.limits), system.paraxial
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
     ratio = index[:-1] / index[1:]
     surfaces = system.surfaces
     rim = [s.semi_diameter**2 if as_bool("rims", rims) or s.is_stop else np.inf for s in surfaces]
-    columns = (system.vertices, [s.curvature for s in surfaces], rim, [ratio, 1.0 / ratio])
+    columns = (system.vertices, [s.curvature for s in surfaces], rim, [ratio, 1.0 / ratio], *fields)
     return SurfaceTable(*(np.ascontiguousarray(column, dtype=dtype) for column in columns))
 
 
+def part_of(table: SurfaceTable, part: slice) -> SurfaceTable:
+    """Table of some of the surfaces."""
+    columns = (*(column[..., part] for column in table[:4]), *(x[part] for x in table[4:] if x is not None))
+    return SurfaceTable(*(np.ascontiguousarray(column) for column in columns))
+
+
 def trace(
-    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
+    system: LensSystem | HeightLens, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Traced:
     """Rays through a lens.
 
     Parameters
     ----------
-    system : LensSystem
+    system : LensSystem or HeightLens
     origins : (N, 3) float32 or float64
         Any points of the rays [mm], at most 1e12 from the lens. All is calculated in their type.
     directions : (N, 3)
@@ -101,7 +114,7 @@ def trace(
 
 
 def trace_path(
-    system: LensSystem, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
+    system: LensSystem | HeightLens, origins: Float, directions: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Float:
     """Where rays meet each surface: (N, S + 1, 3), the origins first; NaN behind where a ray is stopped.
 
@@ -110,9 +123,9 @@ def trace_path(
     origins, directions = _rays(origins, directions)
     table, reverse = table_of(system, wavelength_um, dtype=origins.dtype), as_bool("reverse", reverse)
     points = [origins]
-    for count in range(1, len(system.surfaces) + 1):
+    for count in range(1, len(table.vertex) + 1):
         part = slice(-count, None) if reverse else slice(count)
-        found = traced(SurfaceTable(*(np.ascontiguousarray(x[..., part]) for x in table)), reverse, origins, directions)
+        found = traced(part_of(table, part), reverse, origins, directions)
         points.append(np.where(found.passed[:, None], found.origins, origins.dtype.type(np.nan)))
     return np.stack(points, axis=1)
 
@@ -151,8 +164,7 @@ def _trace(table, reverse, origins, directions, ends, ways, passed):
                 rays[axis * BLOCK + i] = origins[first + i, axis]
             rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx * scale, dy * scale, dz * scale
             rays[6 * BLOCK + i] = scalar(1.0)
-        for step in range(len(table.vertex)):
-            refract_block(surface_at(table, reverse, step), rays)
+        refract_all(table.splines, table, reverse, rays)
         for i in range(here):
             for axis in range(3):
                 ends[first + i, axis] = rays[axis * BLOCK + i]
@@ -163,10 +175,56 @@ def _trace(table, reverse, origins, directions, ends, ways, passed):
 @inline
 def trace_ray(table, reverse, x, y, z, dx, dy, dz):
     """Point (x, y, z), direction and whether the ray passed; the direction is a unit vector, before and after."""
+    return _trace_ray(table.splines, table, reverse, x, y, z, dx, dy, dz)
+
+
+@inline
+def _trace_ray(splines, table, reverse, x, y, z, dx, dy, dz):
+    if splines is None:
+        return _through_spheres(table, reverse, x, y, z, dx, dy, dz)
+    else:
+        return _through_fields(table, reverse, x, y, z, dx, dy, dz)
+
+
+@inline
+def refract_all(splines, table, reverse, rays):
+    """Take a block of rays, as `_refract_block` has it, through all surfaces in place; splines: the table's."""
+    if splines is None:
+        for step in range(len(table.vertex)):
+            _refract_block(_surface_at(table, reverse, step), rays)
+    else:
+        for i in range(BLOCK):
+            if rays[6 * BLOCK + i] > 0.0:
+                x, y, z = rays[i], rays[BLOCK + i], rays[2 * BLOCK + i]
+                dx, dy, dz = rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i]
+                x, y, z, dx, dy, dz, passed = _through_fields(table, reverse, x, y, z, dx, dy, dz)
+                rays[i], rays[BLOCK + i], rays[2 * BLOCK + i] = x, y, z
+                rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx, dy, dz
+                rays[6 * BLOCK + i] = 1.0 if passed else 0.0
+
+
+@inline
+def _through_fields(table, reverse, x, y, z, dx, dy, dz):
+    """Through height fields: the first may lie behind the origin, as the ray is a line; then the ray goes on only."""
+    scalar = table.vertex.dtype.type
+    begin, passed = scalar(-np.inf), True
+    for step in range(len(table.vertex)):
+        at = _surface_at(table, reverse, step)
+        k = len(table.vertex) - 1 - step if reverse else step
+        face = FieldSurface(table.splines[k], table.limits[k], at.vertex, at.rim, at.ratio, at.forward)
+        x, y, z, dx, dy, dz, passed = refract_at_field(face, begin, x, y, z, dx, dy, dz)
+        if not passed:
+            break
+        begin = scalar(0.0)
+    return x, y, z, dx, dy, dz, passed
+
+
+@inline
+def _through_spheres(table, reverse, x, y, z, dx, dy, dz):
     scalar = table.vertex.dtype.type
     going = scalar(1.0)
     for step in range(len(table.vertex)):
-        x, y, z, dx, dy, dz, going = _refract(surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
+        x, y, z, dx, dy, dz, going = _refract(_surface_at(table, reverse, step), x, y, z, dx, dy, dz, going)
         if going == scalar(0.0):
             break
     return x, y, z, dx, dy, dz, going > scalar(0.0)
@@ -183,7 +241,7 @@ class _Face(NamedTuple):
 
 
 @inline
-def surface_at(table, reverse, step):
+def _surface_at(table, reverse, step):
     """The surface that a ray meets after `step` others."""
     k, side = (len(table.vertex) - 1 - step, 1) if reverse else (step, 0)
     forward = table.vertex.dtype.type(-1.0 if reverse else 1.0)
@@ -191,7 +249,7 @@ def surface_at(table, reverse, step):
 
 
 @inline
-def refract_block(face, rays):
+def _refract_block(face, rays):
     """Take a block of rays (7 BLOCK,) through a surface in place: all x, all y, all z, the directions', and 1 or 0.
 
     1 is a ray that goes on, 0 one that was stopped. Distances in memory are constants: compilers vectorise this.
