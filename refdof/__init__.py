@@ -17,6 +17,7 @@ from refdof.optics.camera import Camera
 from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.lens_samples import lens_samples
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system import LensSystem, ThickLens
 from refdof.optics.systems.system_lens import SystemLens
@@ -39,6 +40,7 @@ __all__ = [
     "Camera",
     "ExpressiveLens",
     "Forecast",
+    "HeightLens",
     "InputError",
     "LensSystem",
     "Light",

@@ -9,6 +9,7 @@ References
 .. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 3.1.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, InputError, as_float, as_instance, as_integer, as_number
-from refdof.optics.systems.glass import Glass
+from refdof.optics.systems.glass import AIR, Glass
 from refdof.optics.systems.height_field import limits_of, spline_of
-from refdof.optics.systems.system import LensSystem, ThickLens
+from refdof.optics.systems.system import LensSystem, Surface, ThickLens
 
 __all__ = ["HeightLens"]
 
@@ -84,11 +85,12 @@ class HeightLens:
             sag.flags.writeable = False
             object.__setattr__(self, word, sag)
         self._check_surfaces()
-        try:
-            _ = self.paraxial
-        except InputError as error:
-            word, _, rest = str(error).replace("radius1", "front", 1).replace("radius2", "back", 1).partition(": ")
-            raise InputError(f"{word}: of the spheres that fit the surfaces in the middle: {rest}") from None
+        curvature = abs(_curvature(self.splines[0], self.diameter / 2.0))
+        if not curvature * self.clear_radii[0] <= 1.0:
+            raise InputError(
+                f"front: has a radius of curvature of {1.0 / curvature:.6g} mm in the middle; "
+                f"allowed is at least the stop's radius, {self.clear_radii[0]:g} mm"
+            )
 
     @staticmethod
     def from_functions(
@@ -153,14 +155,28 @@ class HeightLens:
         """(2, 5) float64: of front and back, `height_field.limits_of`."""
         return np.stack([limits_of(spline, self.diameter / 2.0) for spline in self.splines])
 
+    @property
+    def clear_radii(self) -> tuple[float, float]:
+        """Radii [mm] of the stop, on the front, and of the back."""
+        rim = self.diameter / 2.0
+        return rim if self.stop_diameter is None else self.stop_diameter / 2.0, rim
+
     @cached_property
     def paraxial(self) -> LensSystem:
-        """Two spheres with the curvatures of the surfaces in the middle; the stop is the first."""
-        front, back = (_curvature(spline, self.diameter / 2.0) for spline in self.splines)
-        with np.errstate(divide="ignore"):
-            radii = np.divide(1.0, [front, back])
-        system = ThickLens(radii[0], radii[1], self.thickness, self.diameter, self.glass).system(self.name)
-        return system if self.stop_diameter is None else system.with_stop(self.stop_diameter / 2.0)
+        """Two spheres with the curvatures of the surfaces in the middle; the stop is the first.
+
+        The clear radius of the second is halved until the spheres do not cut each other.
+        """
+        curvatures = [_curvature(spline, self.diameter / 2.0) for spline in self.splines]
+        radii = [1.0 / curvature if curvature else math.inf for curvature in curvatures]
+        stop, rim = self.clear_radii
+        front = Surface(radii[0], self.thickness, self.glass, stop, is_stop=True)
+        while True:
+            back = Surface(radii[1], 0.0, AIR, min(rim, abs(radii[1])))
+            near = min(back.semi_diameter, stop)
+            if self.thickness + back.sag(near) >= front.sag(near):
+                return LensSystem(self.name, (front, back))
+            rim /= 2.0
 
     def _check_surfaces(self) -> None:
         """Refuse steep surfaces, and surfaces that cut each other, at the samples and halfway between them."""

@@ -69,13 +69,15 @@ def table_of(
 ) -> SurfaceTable:
     """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept."""
     fields: tuple[Float, ...] = ()
+    clear = None
     if isinstance(system, HeightLens):
-        fields, system = (system.splines, system.limits), system.paraxial
+        fields, clear, system = (system.splines, system.limits), system.clear_radii, system.paraxial
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
     ratio = index[:-1] / index[1:]
     surfaces = system.surfaces
-    rim = [s.semi_diameter**2 if as_bool("rims", rims) or s.is_stop else np.inf for s in surfaces]
+    clear = clear or [s.semi_diameter if as_bool("rims", rims) or s.is_stop else np.inf for s in surfaces]
+    rim = np.square(clear)
     columns = (system.vertices, [s.curvature for s in surfaces], rim, [ratio, 1.0 / ratio], *fields)
     return SurfaceTable(*(np.ascontiguousarray(column, dtype=dtype) for column in columns))
 
