@@ -27,6 +27,7 @@ from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
 from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trace
 from refdof.optics.systems.glass import glass_of
+from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.prescription import load_lens, save_lens
 from refdof.optics.systems.system import ThickLens
 from refdof.optics.systems.system_lens import SystemLens
@@ -428,6 +429,13 @@ for _name, _module in METHODS.items():
 LENS_SYSTEM = ThickLens(60.0, -80.0, 6.0, 25.0, glass_of("N-BK7")).system()
 _SURFACE = {"radius": 60.0, "thickness": 6.0, "glass": glass_of("N-BK7"), "semi_diameter": 12.5, "is_stop": True}
 _THICK = {"radius1": 60.0, "radius2": -80.0, "thickness": 6.0, "diameter": 25.0, "glass": glass_of("N-BK7")}
+_HEIGHTS = {
+    "front": np.zeros((9, 9)),
+    "back": np.zeros((9, 9)),
+    "thickness": 3.0,
+    "diameter": 10.0,
+    "glass": glass_of("N-BK7"),
+}
 _RAYS = {
     "system": LENS_SYSTEM,
     "origins": np.array([[0.0, 1.0, -9.0], [2.0, 0.0, -8.0]]),
@@ -482,6 +490,23 @@ DOORS |= {
             {"radius1": ("thickness",), "radius2": ("thickness",), "diameter": ("radius1", "radius2", "thickness")},
         ),
         "system.ThickLens.system": Door(ThickLens(**_THICK).system, {"name": "lens"}),
+        "height_lens.HeightLens": Door(
+            HeightLens,
+            _HEIGHTS | {"stop_diameter": 4.0, "name": "lens"},
+            {
+                "front": ("back", "thickness"),
+                "back": ("thickness",),
+                "diameter": ("front", "back", "stop_diameter", "thickness"),
+                "stop_diameter": ("front",),
+            },
+        ),
+        "height_lens.HeightLens.from_functions": Door(
+            HeightLens.from_functions,
+            _HEIGHTS | {"front": lambda x, y: x * x / 40.0, "back": lambda x, y: 0.0 * x, "samples": 9},
+            {"diameter": ("front", "back", "thickness")},
+        ),
+        "height_lens.HeightLens.of": Door(HeightLens.of, {"lens": ThickLens(**_THICK), "samples": 9}),
+        "height_lens.HeightLens.with_stop": Door(HeightLens(**_HEIGHTS).with_stop, {"semi_diameter": 2.0}),
         "trace.trace": Door(trace.trace, _RAYS, {"origins": ("directions",)}),
         "trace.trace_path": Door(
             trace.trace_path, _RAYS, {"origins": ("directions",)}, any_result=True
@@ -504,8 +529,8 @@ INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
-    "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.lens_toml",
-    "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
+    "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
+    "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
@@ -583,7 +608,8 @@ INNER |= {
     f"refdof.optics.systems.{word}"
     for word in (
         "trace.SurfaceTable", "trace.Traced", "trace.table_of", "trace.trace_ray", "trace.traced",
-        "trace.refract_block", "trace.surface_at", "paraxial.CardinalPoints", "paraxial.Pupil", "pupil.PupilBounds",
+        "trace.refract_all", "trace.part_of", "pupil.light_through", "pupil.PupilBounds",
+        "paraxial.CardinalPoints", "paraxial.Pupil",
         "pupil.bounds_at", "pupil.joined_boxes", "lens_map.LensMap", "lens_map.lens_map_block",
         "lens_map.new_scratch", "lens_map.borrow_lens_map", "system_lens.SystemLens.map_of",
         "lens_map.lens_map_ray", "lens_map.lens_map_rays",

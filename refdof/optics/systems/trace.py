@@ -68,16 +68,16 @@ def table_of(
     system: LensSystem | HeightLens, wavelength_um: float, *, dtype: npt.DTypeLike = np.float64, rims: bool = True
 ) -> SurfaceTable:
     """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept."""
-    fields: tuple[Float, ...] = ()
-    clear = None
-    if isinstance(system, HeightLens):
-        fields, clear, system = (system.splines, system.limits), system.clear_radii, system.paraxial
+    lens, system = system, system.paraxial if isinstance(system, HeightLens) else system
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
     ratio = index[:-1] / index[1:]
     surfaces = system.surfaces
-    clear = clear or [s.semi_diameter if as_bool("rims", rims) or s.is_stop else np.inf for s in surfaces]
-    rim = np.square(clear)
+    radii = [s.semi_diameter if as_bool("rims", rims) or s.is_stop else np.inf for s in surfaces]
+    fields: tuple[Float, ...] = ()
+    if isinstance(lens, HeightLens):
+        radii, fields = list(lens.clear_radii), (lens.splines, lens.limits)
+    rim = np.square(radii)
     columns = (system.vertices, [s.curvature for s in surfaces], rim, [ratio, 1.0 / ratio], *fields)
     return SurfaceTable(*(np.ascontiguousarray(column, dtype=dtype) for column in columns))
 

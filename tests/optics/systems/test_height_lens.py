@@ -290,6 +290,7 @@ def test_bad_input(change, words):
         ({"front": 3}, "front: got int; allowed is a function"),
         ({"back": lambda x, y: np.zeros((2, 65, 65))}, "back: got shape"),
         ({"front": lambda x, y: x + np.nan}, "front: has "),
+        ({"back": len}, "back: gives no array for x and y of 65 x 65 each"),
         ({"samples": 7}, "samples: got 7"),
         ({"diameter": np.nan}, "diameter: "),
     ],
