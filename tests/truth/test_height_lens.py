@@ -83,22 +83,35 @@ def test_methods_that_trace_rays_agree_on_waves_and_others_take_the_thin_lens():
     assert lens_as_json(lens)["system"]["f_number"] == pytest.approx(4.0)
 
 
-@pytest.mark.parametrize("stop", [25.0, 6.0])
-def test_the_pupils_box_holds_in_every_direction(stop):
-    """Rays from sensor points all around the axis, through a plane much wider than the box."""
+@pytest.mark.parametrize(("stop", "wide"), [(25.0, 20.0), (6.0, 8.0), (1.0, 5.0)])
+def test_the_pupils_box_holds_in_every_direction(stop, wide):
+    """Rays from sensor points all around the axis, through a square of the plane that is wider than the box."""
     lens = waves().with_stop(stop / 2.0)
     bounds, random, count = pupil_bounds(lens, 15.0, sensor=50.0, intervals=16), np.random.default_rng(3), 40000
     radius, angle = random.uniform(0.0, 15.0, count), random.uniform(0.0, 2.0 * np.pi, count)
     origins = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, 50.0)])
-    aims = np.column_stack([random.uniform(-20.0, 20.0, (count, 2)), np.full(count, bounds.plane)])
+    aims = np.column_stack([random.uniform(-wide, wide, (count, 2)), np.full(count, bounds.plane)])
     passed = trace(lens, origins, aims - origins, LINE_D, reverse=True).passed
-    assert passed.sum() > 1000 if stop > 20.0 else passed.sum() > 100
+    assert passed.sum() > 200
     along = aims[:, 0] * np.cos(angle) + aims[:, 1] * np.sin(angle)
     across = aims[:, 1] * np.cos(angle) - aims[:, 0] * np.sin(angle)
     for k in np.flatnonzero(passed):
         x0, x1, y1 = bounds_at(bounds, radius[k])
         assert x0 < along[k] < x1
         assert abs(across[k]) < y1
+
+
+@pytest.mark.parametrize("stop", [20.0, 6.0, 2.0])
+def test_boxes_of_a_sampled_sphere_are_around_the_spheres(stop):
+    """And not much larger: a third of a box or more is the other's; the sampler loses the rest."""
+    lens = HeightLens.of(SPHERICAL)
+    wide, narrow = (
+        pupil_bounds(x.with_stop(stop / 2.0), 12.0, sensor=70.0, intervals=8).boxes for x in (lens, lens.paraxial)
+    )
+    assert (wide[:, 0] < narrow[:, 0] + 0.1).all()  # [mm]; spheres' boxes have a margin of a cell and a half of 256
+    assert (wide[:, 1:] > narrow[:, 1:] - 0.1).all()
+    areas = [(boxes[:, 1] - boxes[:, 0]) * boxes[:, 2] for boxes in (narrow, wide)]
+    assert (areas[0] / areas[1]).min() > 1.0 / 3.0
 
 
 def test_light_in_the_middle_is_that_of_the_stops_disc():

@@ -32,6 +32,7 @@ from refdof.optics.systems.trace import SurfaceTable, table_of, trace_ray, trace
 
 __all__ = ["PupilBounds", "bounds_at", "joined_boxes", "light_through", "pupil_bounds"]
 
+_ROUNDS = 4  # of narrowing a height lens's boxes; more change little
 _SQUARES = 512  # a side: as many as are wrong lie at the rim, and make up 1e-4 of a disc
 _DARK = "system: no light comes to the sensor's centre; allowed is a lens that it sees through"
 _GRIDS = (64, 64, 256)  # points a side; each is laid on what the one before found
@@ -60,8 +61,7 @@ def pupil_bounds(
     Parameters
     ----------
     system : LensSystem or HeightLens
-        Of a height lens, which may be of any shape, the boxes hold all that comes through the rim of its back, from
-        sensor points in every direction from the axis.
+        Of a height lens, which may be of any shape, boxes hold for sensor points in every direction from the axis.
     reach : float
         Half the sensor's diagonal [mm].
     sensor : float or None
@@ -85,7 +85,8 @@ def pupil_bounds(
     sensor = as_number("sensor", system.sensor if sensor is None else sensor, above=last, maximum=1e6)
     intervals = as_integer("intervals", intervals, minimum=1, maximum=1024)
     if isinstance(lens, HeightLens):
-        return PupilBounds(last, sensor, reach, _seen_rim(lens, sensor - last, np.linspace(0.0, reach, intervals + 1)))
+        radii = np.linspace(0.0, reach, intervals + 1)
+        return PupilBounds(last, sensor, reach, _height_boxes(lens, sensor - last, radii, wavelength_um))
     table = table_of(system, wavelength_um, rims=rims)
 
     # A ray to the rim meets the plane farther out if the surface bulges.
@@ -104,16 +105,49 @@ def pupil_bounds(
     return PupilBounds(last, sensor, reach, boxes)
 
 
-def _seen_rim(lens: HeightLens, depth: float, radii: Float) -> Float:
-    """Boxes (K, 3) around a height lens's back, as points of a sensor at a depth behind its vertex see it."""
-    low, high = lens.limits[1, :2]
+def _height_boxes(lens: HeightLens, depth: float, radii: Float, wavelength_um: float) -> Float:
+    """Boxes (K, 3) around all that passes a height lens, at any azimuth, for a sensor at a depth behind its vertex.
+
+    They are found by intervals, not by rays: each holds for all distances between its neighbours'.
+    """
+    (front_low, front_high), (low, high) = lens.limits[:, :2]
     if not depth > high:
         raise InputError(f"sensor: is {depth:g} mm behind the lens; allowed is more than its back's sag, {high:.6g}")
-    # A point of the surface at height z is seen from the distance depth - z, enlarged in the plane.
-    scales = depth / (depth - np.array([[low], [high]]))
-    half = 0.5 * lens.diameter * scales
-    x0, x1 = (radii * (1.0 - scales) + side * half for side in (-1.0, 1.0))
-    return np.stack([x0.min(axis=0), x1.max(axis=0), np.full(len(radii), half.max())], axis=1)
+    near, far = radii[:-1], radii[1:]
+    stop, rim = lens.clear_radii
+    x0, x1, y1 = np.full_like(near, -rim), np.full_like(near, rim), np.full_like(near, rim)
+
+    # Where a ray may meet the back so that it comes to the stop on the front: from the box known so far, a smaller one.
+    index, normal = lens.glass.index(wavelength_um), np.sin(np.arctan(lens.limits[1, 2]))
+    axial = max(lens.thickness + low - front_high, 0.0), lens.thickness + high - front_low
+    for _ in range(_ROUNDS):
+        slopes = np.stack([x0 - far, x1 - near]) / (depth - np.array([low, high])[:, None, None])
+        slope0, slope1, across = slopes[:, 0].min(axis=0), slopes[:, 1].max(axis=0), y1 / (depth - high)
+        steep = np.arctan(np.hypot(np.maximum(-slope0, slope1), across)) + np.arctan(lens.limits[1, 2])
+        cosine = np.cos(np.minimum(steep, 0.5 * np.pi))  # of incidence, at least
+        bent = normal * (np.sqrt(np.maximum(index * index - 1.0 + cosine * cosine, 0.0)) - cosine)
+        sine0, sine1 = -_reach(-slope0, across, 1.0), _reach(slope1, across, 1.0)
+        inside0, inside1 = (sine0 - bent) / index, (sine1 + bent) / index
+        inside_y = (_reach(across, 0.0 * across, 1.0) + bent) / index
+        tangent0, tangent1 = -_reach(-inside0, inside_y, -1.0), _reach(inside1, inside_y, -1.0)
+        tangent_y = _reach(inside_y, np.maximum(-inside0, inside1), -1.0)
+        x0 = np.maximum(x0, -stop - np.maximum(axial[0] * tangent1, axial[1] * tangent1))
+        x1 = np.minimum(x1, stop - np.minimum(axial[0] * tangent0, axial[1] * tangent0))
+        y1 = np.minimum(y1, stop + axial[1] * tangent_y)
+
+    # A point of the back at height z is seen from the distance depth - z, enlarged in the plane of the vertex.
+    scales = depth / (depth - np.array([low, high])[:, None, None])
+    sides = np.stack([near, far]) * (1.0 - scales)
+    x0, x1, y1 = (sides + scales * x0).min(axis=(0, 1)), (sides + scales * x1).max(axis=(0, 1)), scales.max() * y1
+    boxes = np.where(x0 < x1, [x0, x1, y1], 0.0).T
+    return joined_boxes(np.concatenate([boxes[:1], boxes]), np.concatenate([boxes, boxes[-1:]]))
+
+
+def _reach(value: Float, other: Float, sign: float) -> Float:
+    """Most of value / sqrt(1 + sign (value^2 + o^2)), o at most `other`: a sine of tangents, or a tangent of sines."""
+    against = np.where((value > 0.0) == (sign > 0.0), 0.0, other)
+    square = 1.0 + sign * (value * value + against * against)
+    return np.where(square > 0.0, value / np.sqrt(np.maximum(square, 1e-300)), np.inf)
 
 
 def _bounded(table: SurfaceTable, plane: float, sensor: float, radii: Float, boxes: Float, count: int) -> Float:
