@@ -134,3 +134,7 @@ def test_what_meets_nothing():
     assert not first_hit(surface, -np.inf, 1.0, 0.0, -5.0, 0.0, 0.0, -1.0)[3]
     assert not first_hit(surface, -np.inf, 0.0, 0.0, -5.0, 1.0, 0.0, 0.0)[3]
     assert not first_hit(surface, -np.inf, 5.0, 5.0, -5.0, 0.6, 0.0, 0.8)[3]
+    # From 0.003 before the surface a flat ray comes to it 0.02 farther out: inside the disc, and beyond its rim.
+    slant = (0.99, 0.0, np.sqrt(1.0 - 0.99**2))
+    assert first_hit(surface, -np.inf, 2.9, 0.0, -0.003, *slant)[3]
+    assert not first_hit(surface, -np.inf, 2.99, 0.0, -0.003, *slant)[3]

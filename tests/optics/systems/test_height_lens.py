@@ -211,6 +211,15 @@ def test_a_way_through_and_back():
     assert again.directions[both] == pytest.approx(-units[both], abs=1e-12)
 
 
+def test_rays_are_lines():
+    """As for spheres: a ray may begin behind the lens."""
+    lens, (origins, directions) = waves(), skew(50)
+    one, two = (trace(lens, origins + along * directions, directions, LINE_D) for along in (0.0, 90.0))
+    assert two.passed.all()
+    assert two.origins == pytest.approx(one.origins, abs=1e-11)
+    assert two.directions == pytest.approx(one.directions, abs=1e-11)
+
+
 def test_a_constant_added_to_a_map_changes_nothing():
     lens = waves()
     moved = replace(lens, front=lens.front + 2.0, back=lens.back - 3.0)
