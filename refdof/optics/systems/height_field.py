@@ -4,7 +4,7 @@
 2. bound its sag, slope and second derivatives over the clear disc      `limits_of`
 3. evaluate sag and slope at a point                                    `sag_and_slope`
 4. step along a ray to the surface, never past it                       `first_hit`
-5. refract there                                                        `refract_at_field`
+5. refract there, and go on to the next surface                         `through_fields`
 
 The spline's curvature is continuous. With the grid's spacing h, its sag is wrong by h^4 and its slope, which refraction
 takes, by h^3; with Catmull-Rom it would be h^3 and h^2, and every grid line would be a jump of the lens's power.
@@ -28,7 +28,7 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import inline
 
-__all__ = ["FieldSurface", "first_hit", "limits_of", "refract_at_field", "sag_and_slope", "spline_of"]
+__all__ = ["FieldSurface", "first_hit", "limits_of", "sag_and_slope", "spline_of", "through_fields"]
 
 _STEPS = 200  # of a ray at one surface; a lens's smooth surface takes 3 to 6
 _ROOM = 1e-3  # of the clear radius: what is added to the bounds of the sag
@@ -178,7 +178,27 @@ def first_hit(face, begin, x, y, z, dx, dy, dz):
 
 
 @inline
-def refract_at_field(face, begin, x, y, z, dx, dy, dz):
+def through_fields(table, reverse, x, y, z, dx, dy, dz):
+    """Point, direction and whether the ray passed, as `trace_ray` has them, through all surfaces of a `SurfaceTable`.
+
+    The first may lie behind the origin, as the ray is a line; then it goes on only.
+    """
+    scalar, count = table.vertex.dtype.type, len(table.vertex)
+    side, forward = (1, scalar(-1.0)) if reverse else (0, scalar(1.0))
+    begin, passed = scalar(-np.inf), True
+    for step in range(count):
+        k = count - 1 - step if reverse else step
+        ratio = table.ratio[side, k]
+        face = FieldSurface(table.splines[k], table.limits[k], table.vertex[k], table.rim[k], ratio, forward)
+        x, y, z, dx, dy, dz, passed = _refract(face, begin, x, y, z, dx, dy, dz)
+        if not passed:
+            break
+        begin = scalar(0.0)
+    return x, y, z, dx, dy, dz, passed
+
+
+@inline
+def _refract(face, begin, x, y, z, dx, dy, dz):
     """Point and direction behind the first hit after `begin`, and whether the ray passes rim and refraction."""
     one = face.forward * face.forward
     zero = one - one

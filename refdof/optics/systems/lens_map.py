@@ -128,7 +128,7 @@ def lens_map_of(
     millimetres : float
         Of one scene unit.
     rims : bool
-        False: only the stop bounds the light, without mechanical vignetting.
+        False: only the stop bounds the light, without mechanical vignetting; of a height lens, its rim too.
 
     Raises
     ------

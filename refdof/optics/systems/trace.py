@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from refdof._check import Float, InputError, as_bool, as_float, as_instance
 from refdof._jit import inline, kernel, prange
-from refdof.optics.systems.height_field import FieldSurface, refract_at_field
+from refdof.optics.systems.height_field import through_fields
 from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.system import LensSystem
 
@@ -67,7 +67,7 @@ class Traced(NamedTuple):
 def table_of(
     system: LensSystem | HeightLens, wavelength_um: float, *, dtype: npt.DTypeLike = np.float64, rims: bool = True
 ) -> SurfaceTable:
-    """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept."""
+    """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept, and a height lens's."""
     lens, system = system, system.paraxial if isinstance(system, HeightLens) else system
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
@@ -185,7 +185,7 @@ def _trace_ray(splines, table, reverse, x, y, z, dx, dy, dz):
     if splines is None:
         return _through_spheres(table, reverse, x, y, z, dx, dy, dz)
     else:
-        return _through_fields(table, reverse, x, y, z, dx, dy, dz)
+        return through_fields(table, reverse, x, y, z, dx, dy, dz)
 
 
 @inline
@@ -199,26 +199,10 @@ def refract_all(splines, table, reverse, rays):
             if rays[6 * BLOCK + i] > 0.0:
                 x, y, z = rays[i], rays[BLOCK + i], rays[2 * BLOCK + i]
                 dx, dy, dz = rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i]
-                x, y, z, dx, dy, dz, passed = _through_fields(table, reverse, x, y, z, dx, dy, dz)
+                x, y, z, dx, dy, dz, passed = through_fields(table, reverse, x, y, z, dx, dy, dz)
                 rays[i], rays[BLOCK + i], rays[2 * BLOCK + i] = x, y, z
                 rays[3 * BLOCK + i], rays[4 * BLOCK + i], rays[5 * BLOCK + i] = dx, dy, dz
                 rays[6 * BLOCK + i] = 1.0 if passed else 0.0
-
-
-@inline
-def _through_fields(table, reverse, x, y, z, dx, dy, dz):
-    """Through height fields: the first may lie behind the origin, as the ray is a line; then the ray goes on only."""
-    scalar = table.vertex.dtype.type
-    begin, passed = scalar(-np.inf), True
-    for step in range(len(table.vertex)):
-        at = _surface_at(table, reverse, step)
-        k = len(table.vertex) - 1 - step if reverse else step
-        face = FieldSurface(table.splines[k], table.limits[k], at.vertex, at.rim, at.ratio, at.forward)
-        x, y, z, dx, dy, dz, passed = refract_at_field(face, begin, x, y, z, dx, dy, dz)
-        if not passed:
-            break
-        begin = scalar(0.0)
-    return x, y, z, dx, dy, dz, passed
 
 
 @inline
