@@ -67,7 +67,7 @@ class Traced(NamedTuple):
 def table_of(
     system: LensSystem | HeightLens, wavelength_um: float, *, dtype: npt.DTypeLike = np.float64, rims: bool = True
 ) -> SurfaceTable:
-    """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's is kept, and a height lens's."""
+    """Table of a system's surfaces at a wavelength [um]; without `rims` only the stop's and height fields' are kept."""
     lens, system = system, system.paraxial if isinstance(system, HeightLens) else system
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
