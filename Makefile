@@ -74,11 +74,18 @@ clean:  ## remove the virtual environment and what was built
 	$(BYTECODE)
 	touch $@
 
+.venv/optiland: .venv/test
+	$(INSTALL) '.[optiland]'
+	touch $@
+
 .venv/docs: .venv/run
 	$(INSTALL) '.[docs]'
 	$(BYTECODE)
 	touch $@
 
+optiland: .venv/optiland  ## install optiland (1.3 GB) and make the stored rays of real lenses anew
+	REFDOF_REQUIRE_OPTILAND=1 $(BIN)/python -m pytest tests/optics/systems/test_optiland.py
+
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint bench docs wheel readme new-method new-scene clean peers
+.PHONY: help compare test fast bounds lint bench docs wheel readme new-method new-scene clean peers optiland

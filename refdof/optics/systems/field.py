@@ -177,7 +177,7 @@ def spot(system: LensSystem, height: float, distance: float, wavelength_um: floa
         found = trace(system, *bundle(system, chief, points, distance), wavelength_um)
         if not found.passed.any():
             return np.empty((0, 2))
-        low, high = points[found.passed].min(axis=0) - 0.5 * cell, points[found.passed].max(axis=0) + 0.5 * cell
+        low, high = points[found.passed].min(axis=0) - cell, points[found.passed].max(axis=0) + cell
     rays = Rays(found.origins[found.passed], found.directions[found.passed])
     return _at_plane(rays, system.sensor) - [0.0, height]
 
