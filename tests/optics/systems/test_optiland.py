@@ -1,7 +1,7 @@
 """The stored rays and spots of optiland, made again: whoever doubts them can see them come.
 
-optiland and what it needs take 1.3 GB, so it is in an extra of its own. Set REFDOF_REQUIRE_OPTILAND=1 to fail where it is
-missing.
+optiland and what it needs take 1.3 GB, so it is in an extra of its own. Set REFDOF_REQUIRE_OPTILAND=1 to fail where it
+is missing.
 """
 
 import importlib.util
