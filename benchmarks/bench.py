@@ -91,6 +91,16 @@ def optics(rows):
         if row["height_mm"] == 0.0:
             what = f"rays for one that passes, f/{row['f_stop']}"
             yield Line(what, row["bounds"], "", row["rear_disc"], "the rear disc", 1.1 if row["f_stop"] == 2.0 else 1.0)
+    for row in rows["rejection"]:
+        what, goal = (
+            f"a ray that passes, f/{row['f_stop']}",
+            None if row["f_stop"] == 2.0 else 1.0,
+        )  # open: the disc is full
+        yield Line(what, row["lens map_ns"], "ns", row["rejection_ns"], "rejection on the rear disc", goal)
+    thin = rows["reference"][0]["ns"]
+    for row in rows["reference"][1:]:
+        what = f"reference of lights, a ray, {row['lens']}, {row['surfaces']} surfaces"
+        yield Line(what, row["ns"], "ns", thin, "the thin lens", row["target"])
 
 
 def memory(rows):

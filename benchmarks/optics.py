@@ -1,13 +1,17 @@
-"""Benchmark: rays through pbrt's double Gauss, beside optiland and NumPy; and rays that the exit pupil's bounds save.
+"""Benchmark: rays through pbrt's double Gauss, beside optiland and NumPy; rays that the exit pupil's bounds save; and
+what a lens adds to the reference.
 
 1. time the trace alone on the same rays in refdof, optiland (if it is installed) and plain NumPy     `trace_rows`
 2. time the lens map, from image and square to rays in camera space                                   `map_row`
 3. count the rays that pay for one that passes: through the bounds, and through the last surface      `sampling_rows`
+4. time a ray that passes: from the lens map, and by rejection on the last surface, as pbrt has it    `rejection_rows`
+5. time the reference on `lights` through lenses of 2, 11 and 13 surfaces, beside the thin lens       `reference_rows`
 
 Targets: 50 times optiland's rays per second; 1.27 to 1.44 rays for one, where the last surface's disc takes about 10 at
-f/5.6. Rounds alternate; numbers are medians, first calls are left out.
+f/5.6; a reference of at most 2 times the thin lens's time through two surfaces and 4 times through a dozen, at one
+wavelength. Rounds alternate; numbers are medians, first calls are left out.
 
-    pip install optiland && python benchmarks/optics.py [--rays 200000] [--rounds 5] [--json out.json]
+    pip install '.[optiland]' && python benchmarks/optics.py [--rays 200000] [--rounds 5] [--json out.json]
 """
 
 import argparse
@@ -17,25 +21,35 @@ import math
 import statistics
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the lens and optiland's twin of it are the tests' own
 
+import refdof
 from refdof._jit import thread_count
 from refdof.optics.camera import Camera
-from refdof.optics.systems.glass import LINE_D
+from refdof.optics.lens import ThinLens
+from refdof.optics.systems.glass import LINE_D, Glass
 from refdof.optics.systems.lens_map import lens_map_of, lens_map_rays
 from refdof.optics.systems.paraxial import sensor_for, stopped_down
+from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.pupil import bounds_at, pupil_bounds
-from refdof.optics.systems.trace import trace
+from refdof.optics.systems.system import LensSystem
+from refdof.optics.systems.system_lens import SystemLens
+from refdof.optics.systems.trace import table_of, trace, traced
+from refdof.truth.reference import reference_of_view
+from refdof.view import View
 from tests.optics.systems.lenses import double_gauss
 
 TARGET = 50.0
 WAVELENGTH = 0.51
 HEIGHTS = (0.0, 10.0, 18.0, 21.6)  # [mm] on the film
 F_STOPS = (2.0, 2.8, 5.6)
+SIZE, SAMPLES = (400, 300), 64  # of the reference
+REFERENCE_TARGETS = {"biconvex": 2.0, "double_gauss": 4.0, "wide_angle": 4.0}
 
 
 def rays_of(count):
@@ -142,6 +156,73 @@ def sampling_rows(count):
     return rows
 
 
+def rejection_rows(count, rounds):
+    """Nanoseconds of a ray that passes, from places all over a film of 36 x 24 mm.
+
+    Of rejection only the trace is timed, not the drawing of points; of the lens map everything.
+    """
+    rows, random = [], np.random.default_rng(4)
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), size=(360, 240))
+    places, squares = random.uniform(0.0, 1.0, (count, 2)) * camera.size, random.uniform(0.0, 1.0, (count, 2))
+    film = (0.5 - places / camera.size) * [36.0, -24.0]
+    u, v = random.uniform(0.0, 1.0, (2, count))
+    rear = double_gauss().surfaces[-1].semi_diameter * np.sqrt(u)
+    for f_stop in F_STOPS:
+        system = stopped_down(double_gauss(), f_stop)
+        table, sensor = table_of(system, LINE_D), sensor_for(system, math.inf)
+        lens_map = lens_map_of(system, camera, math.inf, wavelengths_um=(LINE_D,), sensor_height=24.0)
+        origins = np.column_stack([film, np.full(count, sensor)])
+        aims = np.column_stack(
+            [rear * np.cos(2 * np.pi * v), rear * np.sin(2 * np.pi * v), np.full(count, system.vertices[-1])]
+        )
+        ways = aims - origins
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        functions = {
+            "lens map": lambda lens_map=lens_map: lens_map_rays(lens_map, places, squares),
+            "rejection": lambda table=table, origins=origins, ways=ways: traced(table, True, origins, ways),
+        }
+        seconds = medians(rounds, functions)
+        shares = {
+            "lens map": float((functions["lens map"]()[1] > 0.0).mean()),
+            "rejection": float(functions["rejection"]().passed.mean()),
+        }
+        rows.append({"f_stop": f_stop} | {f"{way}_ns": 1e9 * seconds[way] / count / shares[way] for way in seconds})
+    return rows
+
+
+def reference_rows(rounds):
+    """Seconds of the reference on `lights` through each lens, all with one camera and one pupil."""
+    scene = refdof.load_scene("lights")
+    camera = SystemLens(load_lens("double_gauss"), scene.lens.focus_distance).seen_by(scene.camera.with_size(SIZE))
+    thin = ThinLens(scene.lens.radius, scene.lens.focus_distance)
+    views = {"thin lens": View(scene, camera, thin)}
+    for name in REFERENCE_TARGETS:
+        system = load_lens(name)
+        for waves, lens in ((1, of_one_color(system)), (3, system)):
+            scale = 1000.0 * SystemLens(lens, thin.focus_distance).radius / thin.radius
+            focused = SystemLens(lens, thin.focus_distance, mm_per_unit=scale)
+            views[f"{name}, {waves}"] = View(scene, camera, focused)
+    functions = {name: lambda view=view: reference_of_view(view, SAMPLES) for name, view in views.items()}
+    seconds = medians(rounds, functions)
+    least = seconds["thin lens"]
+    rays = SIZE[0] * SIZE[1] * SAMPLES
+    rows = [{"lens": "thin lens", "surfaces": 0, "ns": 1e9 * least / rays, "ratio": 1.0, "ratio_of_3": None}]
+    for name in REFERENCE_TARGETS:
+        one, three = seconds[f"{name}, 1"], seconds[f"{name}, 3"]
+        rows.append({"lens": name, "surfaces": len(load_lens(name).surfaces), "ns": 1e9 * one / rays})
+        rows[-1] |= {"ratio": one / least, "ratio_of_3": three / least, "target": REFERENCE_TARGETS[name]}
+    return rows
+
+
+def of_one_color(system: LensSystem) -> LensSystem:
+    """The lens with glasses of one index each, that of green: it is traced at one wavelength."""
+    surfaces = [
+        replace(surface, glass=Glass(f"green {surface.glass.name}", surface.glass.index(WAVELENGTH)))
+        for surface in system.surfaces
+    ]
+    return replace(system, surfaces=tuple(surfaces))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--rays", type=int, default=200_000)
@@ -153,6 +234,7 @@ def main() -> None:
         map_row(words.rays, words.rounds),
         sampling_rows(words.rays),
     )
+    rejected, references = rejection_rows(words.rays, words.rounds), reference_rows(words.rounds)
     print(f"double Gauss, 11 surfaces, {words.rays} rays, {thread_count()} threads: rays per second\n")
     for name, rate in traced.items():
         print(f"{name:16} {rate:12.0f}  {rate / traced['refdof']:8.4f} of refdof's")
@@ -162,8 +244,20 @@ def main() -> None:
     print("rays for one that passes\n\n| f-number | film height [mm] | bounds | rear disc |\n|---|---|---|---|")
     for row in sampled:
         print(f"| {row['f_stop']} | {row['height_mm']} | {row['bounds']:.2f} | {row['rear_disc']:.2f} |")
+    print("\na ray that passes [ns], from all over the film\n\n| f-number | lens map | rear disc, rejection | ratio |")
+    print("|---|---|---|---|")
+    for row in rejected:
+        ours, theirs = row["lens map_ns"], row["rejection_ns"]
+        print(f"| {row['f_stop']} | {ours:.0f} | {theirs:.0f} | {ours / theirs:.2f} |")
+    print(f"\nreference of `lights`, {SIZE[0]}x{SIZE[1]}, {SAMPLES} samples\n")
+    print("| lens | surfaces | ns a ray | over the thin lens | target | at 3 wavelengths |\n|---|---|---|---|---|---|")
+    for row in references:
+        three = "" if row["ratio_of_3"] is None else f"{row['ratio_of_3']:.2f}"
+        print(f"| {row['lens']} | {row['surfaces']} | {row['ns']:.0f} | {row['ratio']:.2f} | ", end="")
+        print(f"{row.get('target', '')} | {three} |")
     if words.json:
         figures = {"threads": thread_count(), "trace": traced, "map": mapped, "sampling": sampled, "target": TARGET}
+        figures |= {"rejection": rejected, "reference": references}
         words.json.write_text(json.dumps(figures, indent=1))
 
 

@@ -1,8 +1,8 @@
 """Light through lens systems is conserved: what comes through the entrance pupil is on the film, and no more.
 
-A lamp of radiance L and area A, flat and upright, sends L A times the pupil's projected solid angle through it: A cos^4 /
-d^2 times the pupil's area, for a small pupil. An even scene of radiance 1 gives the film's centre the light 1, by
-definition; a lamp in focus there covers A P^2 / d^2 pixels. So the sum of a lamp's picture is
+A lamp of radiance L and area A, flat and upright at the depth d, sends L A times the pupil's projected solid angle
+through it: the pupil's area times cos^4 / d^2, if it is small. An even scene of radiance 1 gives the film's centre the
+light 1, by definition; a lamp in focus there covers A P^2 / d^2 pixels. So the sum of a lamp's picture is
 
     L A (P / d)^2 cos^4    [px],    wherever it lies, sharp or not
 

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 import refdof
-from refdof import Camera, ThinLens, View, metrics, reference, render
+from refdof import Camera, ThinLens, View, metrics, reference
 from refdof.methods.lensblur.layer_trace import trace_layers
 from refdof.methods.lensblur.method import Params, prepare
 from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.systems.glass import Glass
 from refdof.optics.systems.lens_map import lens_map_rays
+from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system import ThickLens
 from refdof.optics.systems.system_lens import SystemLens
 from refdof.rendering import render_view
@@ -89,24 +90,42 @@ def _unsure(prepared, view, focus, points, weights, complete):
     return unsure
 
 
-@pytest.mark.slow
-def test_more_rays_and_more_layers_come_nearer_to_the_reference_on_cards_and_on_lights():
-    shot = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=20.0, size=(64, 48))
+def on_cards(k):
+    """Scene, camera and lens; k picks the size of the picture."""
+    shot = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=20.0, size=(32 * k, 24 * k))
     lens = SystemLens(double_gauss(), FOCUS, mm_per_unit=20.0)
+    return cards(1, shot, lens), shot, lens
+
+
+def on_lights(k):
+    """The same of the built-in scene, through a lens with the pupil of its thin lens."""
     scene = refdof.load_scene("lights")
-    lamps = SystemLens(double_gauss(), scene.lens.focus_distance, mm_per_unit=1e3 * 0.0124 / scene.lens.radius)
-    for name, given, picture, system in (
-        ("cards", cards(1, shot, lens), shot, lens),
-        ("lights", scene, lamps.seen_by(scene.camera.with_size((96, 72))), lamps),
-    ):
-        truth = reference(given, picture, system, samples=4096)
-        print(name, truth.noise_floor_psnr, system.radius)
-        view = View(given, picture, system)
-        for n in (4, 16, 64, 256):
-            im=render_view("lensblur", view, samples=n, layers=0).image
-            print(n, metrics.rmse(truth.image,im), metrics.psnr(truth.image,im))
-        for n in (1,2,3,4,8):
-            im=render_view("lensblur", view, samples=256, layers=n).image
-            print("layers",n, metrics.rmse(truth.image,im), metrics.psnr(truth.image,im))
-        im=reference(given, picture, ThinLens(system.radius, system.focus_distance), samples=1024).image
-        print("thin",metrics.rmse(truth.image,im), metrics.psnr(truth.image,im))
+    system, distance = load_lens("double_gauss"), scene.lens.focus_distance
+    scale = 1000.0 * SystemLens(system, distance).radius / scene.lens.radius
+    lens = SystemLens(system, distance, mm_per_unit=scale)
+    return scene, lens.seen_by(scene.camera.with_size((48 * k, 36 * k))), lens
+
+
+def errors(stage, k, chosen):
+    """RMSE of `lensblur` with each of some parameters beside the reference through the same lens."""
+    scene, shot, lens = stage(k)
+    truth = reference(scene, shot, lens, samples=512).image
+    view = View(scene, shot, lens)
+    return [metrics.rmse(truth, render_view("lensblur", view, **words).image) for words in chosen]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", [on_cards, on_lights])
+def test_it_converges_to_the_reference_through_the_same_lens(stage):
+    """With rays, layers and pixels: a texel is a pixel, so what is left is half a pixel of edges and of lamps.
+
+    Measured RMSE, on cards: 4, 16, 64 rays 0.080, 0.036, 0.017; 1, 2 layers 0.046, 0.018; a picture three times as
+    large 0.0074 instead of 0.022. On lights, whose lamps shine at up to 90: 0.84, 0.39, 0.26; 0.266, 0.264; 0.21
+    instead of 0.54.
+    """
+    rays = errors(stage, 2, [{"samples": count, "layers": 0} for count in (4, 16, 64)])
+    layers = errors(stage, 2, [{"samples": 64, "layers": count} for count in (1, 2)])
+    (coarse,), (fine,) = (errors(stage, k, [{"samples": 256, "layers": 0}]) for k in (1, 3))
+    assert rays[0] > 1.3 * rays[1] > 1.3 * rays[2]
+    assert layers[0] > layers[1]
+    assert coarse > 1.5 * fine

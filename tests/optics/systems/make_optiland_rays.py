@@ -1,8 +1,8 @@
 """Make optiland_rays.npz: skew rays through the lenses of `lenses.py`, traced by optiland (0.6, PyPI, MIT).
 
 For each lens: origins, directions, and where optiland's rays leave the last surface, for rays that no rim stops. For
-two corrected lenses of data/lenses: the spot of a distant point of the axis, in paraxial focus. Glass by name comes from
-optiland's own catalogue, not from this project.
+two corrected lenses of data/lenses: the spot of a distant point of the axis, in paraxial focus. Glass by name comes
+from optiland's own catalogue, not from this project.
 
     pip install '.[optiland]' && python tests/optics/systems/make_optiland_rays.py
 """
