@@ -21,8 +21,10 @@ import math
 import statistics
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -177,7 +179,7 @@ def rejection_rows(count, rounds):
         )
         ways = aims - origins
         ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-        functions = {
+        functions: dict[str, Callable[[], Any]] = {
             "lens map": lambda lens_map=lens_map: lens_map_rays(lens_map, places, squares),
             "rejection": lambda table=table, origins=origins, ways=ways: traced(table, True, origins, ways),
         }
