@@ -23,6 +23,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -180,8 +181,8 @@ def rejection_rows(count, rounds):
         ways = aims - origins
         ways /= np.linalg.norm(ways, axis=1, keepdims=True)
         functions: dict[str, Callable[[], Any]] = {
-            "lens map": lambda lens_map=lens_map: lens_map_rays(lens_map, places, squares),
-            "rejection": lambda table=table, origins=origins, ways=ways: traced(table, True, origins, ways),
+            "lens map": partial(lens_map_rays, lens_map, places, squares),
+            "rejection": partial(traced, table, True, origins, ways),
         }
         seconds = medians(rounds, functions)
         shares = {
@@ -204,7 +205,7 @@ def reference_rows(rounds):
             scale = 1000.0 * SystemLens(lens, thin.focus_distance).radius / thin.radius
             focused = SystemLens(lens, thin.focus_distance, mm_per_unit=scale)
             views[f"{name}, {waves}"] = View(scene, camera, focused)
-    functions = {name: lambda view=view: reference_of_view(view, SAMPLES) for name, view in views.items()}
+    functions = {name: partial(reference_of_view, view, SAMPLES) for name, view in views.items()}
     seconds = medians(rounds, functions)
     least = seconds["thin lens"]
     rays = SIZE[0] * SIZE[1] * SAMPLES
