@@ -54,7 +54,7 @@ def test_in_the_paraxial_limit_every_ray_meets_what_the_thin_lenss_meets(seed, l
     # The system turns its points with the place in the picture: each pixel has its own.
     y, x = (grid.ravel() for grid in np.mgrid[:12, :16])
     places = np.stack([x, y], axis=1).repeat(24, axis=0) + 0.5
-    rays, weights = lens_map_rays(system.lens_map(), places, np.tile(prepared.pattern.points[0], (192, 1)))
+    rays, weights = lens_map_rays(system.ray_map().system, places, np.tile(prepared.pattern.points[0], (192, 1)))
     points = (rays[:, :2] / system.projection().lens_radius).reshape(192, 24, 2)
     passed = (weights > 0.0).astype(float).reshape(192, 24)
     assert 0.7 < passed.mean() < 0.9  # a disc in its square
@@ -63,7 +63,7 @@ def test_in_the_paraxial_limit_every_ray_meets_what_the_thin_lenss_meets(seed, l
     found, expected = (
         trace_layers(
             prepared.stack, prepared.values, view.surfaces(), view.projection(), focus, pattern, view.pinhole().color,
-            prepared.choices, view.lens_map(),
+            prepared.choices, view.ray_map(),
         ).image
         for view, pattern in ((system, prepared.pattern), (plain, own))
     )  # fmt: skip
