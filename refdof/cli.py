@@ -36,6 +36,7 @@ from refdof.options import (
     Lens,
     MethodSettings,
     Most,
+    NoVignetting,
     Preset,
     Probes,
     Radius,
@@ -46,6 +47,7 @@ from refdof.options import (
     Steps,
     Threads,
     Tolerance,
+    Wavelengths,
     listed,
     refuse_ignored,
     sample_counts,
@@ -130,6 +132,8 @@ def render(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
     samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
     stages: Annotated[
@@ -153,8 +157,9 @@ def render(
     params = settings_of(settings or [], seed=seed, samples=samples)
     make_params(method, params, preset)
     wanted = stages_of(steps, pixel, [method])
+    real = lens_file, f_number, wavelengths, no_vignetting
     with warming_up([(method, preset)] if scene in SCENES else []):
-        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number)
+        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, *real)
     view = View(loaded, camera, lens)
     result = render_view(method, view, wanted if stages is not None else False, preset, **params)
     if stages is not None:
@@ -185,6 +190,8 @@ def export(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -198,7 +205,8 @@ def export(
         as_choice("method", name, METHODS)
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
-    view = View(*scene_camera_lens(scene, size, lens_radius, focus, lens_file, f_number))
+    real = lens_file, f_number, wavelengths, no_vignetting
+    view = View(*scene_camera_lens(scene, size, lens_radius, focus, *real))
     export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
@@ -224,6 +232,8 @@ def compare(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
     seed: Seed = 0,
     samples: Samples = None,
     tolerance: Tolerance = None,
@@ -238,14 +248,14 @@ def compare(
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
     params = settings_by_method(settings or [], names, presets)
-    comparisons: list[Comparison] = []
+    real, comparisons = (lens_file, f_number, wavelengths, no_vignetting), list[Comparison]()
     soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
         soon = []  # compiled in parallel processes, by `compare_scene`
     with progress_line() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             with warming_up(soon if name in SCENES and not comparisons else []):
-                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, lens_file, f_number)
+                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, *real)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)

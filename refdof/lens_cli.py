@@ -37,7 +37,7 @@ def lens(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure a lens: focal length, f-number, pupils, field of view, vignetting and distortion; draws it with --out."""
+    """Measure a lens: focal length, f-number, T-stop, pupils, field, vignetting, distortion; draw it with --out."""
     set_threads(threads)
     distance = 1000.0 * as_number("focus", focus, above=0.0, finite=False)
     if out is not None:
@@ -72,6 +72,7 @@ def _text(sheet: DataSheet) -> str:
         ("source", " ".join(sheet.source.split())),
         ("focal length", f"{sheet.focal_length:.3f} mm"),
         ("f-number", f"{sheet.f_number:.3f}"),
+        ("T-stop", f"{sheet.t_stop:.3f} (uncoated glass, absorption not counted)"),
         ("in focus at", _distance(sheet.focus_distance)),
         ("principal planes", f"{sheet.front_principal:.3f} and {sheet.back_principal:.3f} mm"),
         ("entrance pupil", f"at {sheet.entrance_pupil_z:.3f} mm, radius {sheet.entrance_pupil_radius:.3f} mm"),

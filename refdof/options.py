@@ -28,6 +28,7 @@ __all__ = [
     "Lens",
     "MethodSettings",
     "Most",
+    "NoVignetting",
     "Preset",
     "Probes",
     "Radius",
@@ -38,6 +39,7 @@ __all__ = [
     "Steps",
     "Threads",
     "Tolerance",
+    "Wavelengths",
     "listed",
     "pixel_of",
     "refuse_ignored",
@@ -68,6 +70,17 @@ Lens = Annotated[
 ]
 FNumber = Annotated[
     float | None, typer.Option("--f-number", help="Stop of the --lens. Default: open as far as it goes.")
+]
+Wavelengths = Annotated[
+    int | None,
+    typer.Option(
+        "--wavelengths",
+        metavar="N",
+        help="Trace the --lens at so many wavelengths, 3 to 31, each a pass. Default: 3, for red, green and blue.",
+    ),
+]
+NoVignetting = Annotated[
+    bool | None, typer.Option("--no-vignetting", help="Let nothing but its stop block light in the --lens.")
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 _SAMPLES = 256
@@ -163,6 +176,8 @@ def scene_camera_lens(
     focus: float | None,
     lens_file: str | None = None,
     f_number: float | None = None,
+    wavelengths: int | None = None,
+    no_vignetting: bool | None = None,
 ) -> tuple[Scene, Camera, ThinLens]:
     """Load a scene and put the options over its suggested shot.
 
@@ -170,7 +185,8 @@ def scene_camera_lens(
     """
     pixels = None if size is None else _size(size)
     if lens_file is None:
-        refuse_ignored("without --lens", "with it", f_number=f_number)
+        given = {"f_number": f_number, "wavelengths": wavelengths, "no_vignetting": no_vignetting}
+        refuse_ignored("without --lens", "with it", **given)
     system = None if lens_file is None else load_lens(lens_file)
     scene = load_scene(name)
     camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
@@ -189,7 +205,8 @@ def scene_camera_lens(
     if lens.radius == 0.0:
         raise InputError("lens-radius: got 0 with --lens; allowed is a size to which the lens is scaled, above 0")
     try:
-        real = SystemLens(system, lens.focus_distance, f_number, entrance_pupil(system).radius / lens.radius)
+        scale, count = entrance_pupil(system).radius / lens.radius, 3 if wavelengths is None else wavelengths
+        real = SystemLens(system, lens.focus_distance, f_number, scale, count, not no_vignetting)
     except InputError as error:
         names = str(error).replace("f_number:", "f-number:", 1).replace("focus_distance:", "focus:", 1)
         raise InputError(names) from None

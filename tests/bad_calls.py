@@ -25,7 +25,7 @@ from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
 from refdof.optics.pixel_samples import lens_point_sets
-from refdof.optics.systems import glass, lens_map, paraxial, pupil, system, trace
+from refdof.optics.systems import glass, lens_map, paraxial, pupil, spectrum, system, trace
 from refdof.optics.systems.glass import glass_of
 from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.prescription import load_lens, save_lens
@@ -228,7 +228,14 @@ DOORS: dict[str, Door] = {
     ),
     "refdof.optics.systems.system_lens.SystemLens": Door(
         SystemLens,
-        {"system": load_lens("biconvex"), "focus_distance": 3.0, "f_number": 8.0, "mm_per_unit": 1000.0},
+        {
+            "system": load_lens("biconvex"),
+            "focus_distance": 3.0,
+            "f_number": 8.0,
+            "mm_per_unit": 1000.0,
+            "wavelengths": 3,
+            "vignetting": True,
+        },
         {"mm_per_unit": ("focus_distance",)},
     ),
     "refdof.optics.systems.system_lens.SystemLens.seen_by": Door(
@@ -519,6 +526,9 @@ DOORS |= {
         "paraxial.image_scale": Door(paraxial.image_scale, _FOCUS),
         "paraxial.sensor_for": Door(paraxial.sensor_for, _FOCUS),
         "paraxial.stopped_down": Door(paraxial.stopped_down, _LENS | {"f_stop": 8.0}),
+        "paraxial.transmission": Door(paraxial.transmission, _LENS),
+        "spectrum.color_matching": Door(spectrum.color_matching, {"wavelength_um": 0.5}),
+        "spectrum.wavelengths_of": Door(spectrum.wavelengths_of, {"count": 5}, {"count": ("wavelengths",)}),
         "pupil.pupil_bounds": Door(_coarse(pupil.pupil_bounds), _PUPIL),
         "lens_map.lens_map_of": Door(_coarse(lens_map.lens_map_of), _LENS_MAP, {"millimetres": ("focus_distance",)}),
     }.items()
@@ -612,7 +622,7 @@ INNER |= {
         "paraxial.CardinalPoints", "paraxial.Pupil",
         "pupil.bounds_at", "pupil.joined_boxes", "lens_map.LensMap", "lens_map.lens_map_block",
         "lens_map.new_scratch", "lens_map.borrow_lens_map", "system_lens.SystemLens.map_of",
-        "lens_map.lens_map_ray", "lens_map.lens_map_rays",
+        "lens_map.lens_map_ray", "lens_map.lens_map_rays", "spectrum.add_wave", "spectrum.channel_weights",
     )
 }  # fmt: skip
 INNER |= {

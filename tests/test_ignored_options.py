@@ -17,7 +17,7 @@ OF_POISSON = ["export", "fence", "--methods", "poisson,mipmap", "--size", "9x9",
 EXPLAIN = ["explain", "CASE", "--pixel", "0,0"]
 RESULTS, IMPL, SHADER = ["--results", "."], ["--impl", "x {case} {out}"], ["--shader", "x.frag"]
 
-# A command line, the option that it would ignore, its value, and why.
+# A command line, the option that it would ignore, its value (None: a flag), and why.
 REFUSED = [
     (RENDER, "steps", "1,4", "without --stages"),
     (RENDER, "pixel", "1,4", "without --stages"),
@@ -25,9 +25,9 @@ REFUSED = [
     (OF_MIPMAP, "pixel", "1,4", "with methods that record none (mipmap)"),
     (["export", "fence", "--methods", "mipmap", "--out", "a"], "steps", "4", "with methods that record none (mipmap)"),
     (OF_POISSON, "pixel", "1,4", "with methods that record none (poisson, mipmap)"),
-    *((words, "f-number", "2", "without --lens") for words in (
-        RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"]
-    )),
+    *((words, option, value, "without --lens")
+      for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
+      for option, value in (("f-number", "2"), ("wavelengths", "7"), ("no-vignetting", None))),
     (["compare", "fence"], "max-samples", "64", "without --tolerance"),
     (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
@@ -81,8 +81,9 @@ def told(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("words", "option", "value", "why"), REFUSED, ids=lambda part: str(part)[:40])
 def test_options_without_effect_are_refused(told, tmp_path, words, option, value, why):
-    said = told([*words, f"--{option}", value])
-    number = value.replace(".", "").isdigit() and option not in ("steps", "pixel")
+    said = told([*words, f"--{option}", *([] if value is None else [value])])
+    number = value is None or (value.replace(".", "").isdigit() and option not in ("steps", "pixel"))
+    value = "True" if value is None else value
     shown = rf"\[?'?{re.escape(value)}(?:\.0)?'?\]?" if number else rf"\[?'{re.escape(value)}'\]?"
     assert re.fullmatch(rf"{option}: got {shown} {re.escape(why)}; allowed with[^;]*", said)
     assert [path.name for path in tmp_path.iterdir()] == ["case"]

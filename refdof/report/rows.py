@@ -123,6 +123,8 @@ def lens_as_json(lens: ThinLens) -> dict[str, Any]:
             "name": lens.system.name,
             "f_number": plain(f_number(lens.stopped)),
             "mm_per_unit": plain(lens.mm_per_unit),
+            "wavelengths": lens.wavelengths,
+            "vignetting": lens.vignetting,
         }
     if isinstance(lens, ExpressiveLens):
         facts["expressive"] = {

@@ -12,6 +12,7 @@ from refdof._check import Float, Index
 from refdof.image.noise_floor import LEAST_GROUPS, noise_moments
 from refdof.optics.aperture_sampling import aperture_sampler_of
 from refdof.optics.owen_sobol import block_of
+from refdof.optics.systems.spectrum import add_wave, channel_weights
 from refdof.raster.rays.embree import new_packets, new_query
 from refdof.truth.emitters import first_samples
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
@@ -60,6 +61,7 @@ class TileSampler:
         ray_map = view.ray_map()
         waves = 1 if ray_map is None else ray_map.waves
         self._aims = [Aim(*plain, ray_map, wave) for wave in range(waves)]
+        self._weights = channel_weights(waves)
         if spend.tolerance is None:
             self._first = np.full((self.height, self.width), power_of_two(spend.samples / replicates))
         else:
@@ -101,10 +103,10 @@ class TileSampler:
         if len(self._aims) == 1:
             trace_block(self._surfaces, traversal, self._aims[0], block, pixels, sums)
             return sums
-        for channel, aim in enumerate(self._aims):  # each colour at its own wavelength
-            of_channel = np.zeros_like(sums)
-            trace_block(self._surfaces, traversal, aim, block, pixels, of_channel)
-            sums[..., channel] = of_channel[..., channel]
+        for weights, aim in zip(self._weights, self._aims, strict=True):
+            of_wave = np.zeros_like(sums)
+            trace_block(self._surfaces, traversal, aim, block, pixels, of_wave)
+            add_wave(sums, weights, of_wave)
         return sums
 
 

@@ -48,6 +48,7 @@ from refdof.methods.lensblur.layer_trace import MISSES, Choices, Stack, Traced, 
 from refdof.optics.aperture import Aperture
 from refdof.optics.lens_samples import PATTERNS, square_points
 from refdof.optics.pixel_samples import JITTERS, LensPointSets, lens_point_sets
+from refdof.optics.systems.spectrum import add_wave, channel_weights
 from refdof.raster.rays.exact_layers import Layers
 from refdof.raster.rays.gbuffer import gbuffer_of
 from refdof.raster.rays.surfaces import Surfaces
@@ -199,16 +200,19 @@ def prepare(view: View, params: Params) -> Prepared:
 
 
 def trace(view: View, scene: Prepared) -> Traced:
-    """Steps 3 to 5; of a lens with dispersion, each colour is traced at its own wavelength."""
+    """Steps 3 to 5, at every wavelength of a lens with dispersion; what is told of rays is of the middle one."""
     focus = float(_parallax(view, view.lens.focus_distance))
     given = scene.stack, scene.values, scene.surfaces, view.projection(), focus, scene.pattern, view.pinhole().color
     ray_map = view.ray_map()
     waves = 1 if ray_map is None else ray_map.waves
-    traced = [trace_layers(*given, scene.choices, ray_map, wave) for wave in range(waves)]
-    middle = traced[len(traced) // 2]
-    for channel, other in enumerate(traced):
-        middle.image[..., channel] = other.image[..., channel] if len(traced) > 1 else middle.image[..., channel]
-    return middle
+    middle = trace_layers(*given, scene.choices, ray_map, waves // 2)
+    if waves == 1:
+        return middle
+    image = np.zeros(middle.image.shape)
+    for wave, weights in enumerate(channel_weights(waves)):
+        traced = middle if wave == waves // 2 else trace_layers(*given, scene.choices, ray_map, wave)
+        add_wave(image, weights, traced.image)
+    return middle._replace(image=image.astype(np.float32))
 
 
 def _stack(view: View, layers: Layers, params: Params) -> Stack:

@@ -13,6 +13,7 @@ from refdof.optics.systems.paraxial import (
     f_number,
     image_scale,
     sensor_for,
+    transmission,
 )
 from refdof.optics.systems.system import LensSystem
 
@@ -41,6 +42,7 @@ class DataSheet:
     focus_distance: float  # [m] before the entrance pupil
     focal_length: float
     f_number: float
+    t_stop: float  # f-number / sqrt(transmission) of uncoated glass on the axis; absorption is not counted
     front_principal: float
     back_principal: float
     entrance_pupil_z: float
@@ -83,6 +85,7 @@ def data_sheet(system: LensSystem, distance: float) -> DataSheet:
         focus_distance=distance / 1000.0,
         focal_length=points.focal_length,
         f_number=f_number(system),
+        t_stop=f_number(system) / math.sqrt(transmission(system)),
         front_principal=points.front_principal,
         back_principal=points.back_principal,
         entrance_pupil_z=entrance.z,

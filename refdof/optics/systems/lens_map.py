@@ -32,11 +32,11 @@ from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for
 from refdof.optics.systems.pupil import PupilBounds, bounds_at, joined_boxes, light_through, pupil_bounds
+from refdof.optics.systems.spectrum import RGB_WAVELENGTHS
 from refdof.optics.systems.system import LensSystem
 from refdof.optics.systems.trace import BLOCK, SurfaceTable, refract_all, table_of, trace_ray
 
 __all__ = [
-    "RGB_WAVELENGTHS",
     "LensMap",
     "borrow_lens_map",
     "lens_map_block",
@@ -45,8 +45,6 @@ __all__ = [
     "lens_map_rays",
     "new_scratch",
 ]
-
-RGB_WAVELENGTHS = (0.650, 0.510, 0.475)  # [um], of red, green and blue, [2]
 
 
 class LensMap(NamedTuple):

@@ -15,10 +15,11 @@ References
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_instance, as_number
+from refdof._check import InputError, as_instance, as_number
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.system import LensSystem
 
@@ -33,9 +34,11 @@ __all__ = [
     "image_scale",
     "sensor_for",
     "stopped_down",
+    "transmission",
 ]
 
 _ENGRAVED = 0.95  # an engraved f-number over the true one, at least
+_LONGEST_FOCUS = 1e9  # [mm]: of longer ones, places near the lens have lost their digits
 
 
 @dataclass(frozen=True)
@@ -70,8 +73,8 @@ class Pupil:
 
 def focal_length(system: LensSystem, wavelength_um: float = LINE_D) -> float:
     """Focal length [mm]; ``inf`` if the system does not bend rays as a whole."""
-    power = -_matrix(system, wavelength_um, 0, None)[1, 0]
-    return float(1.0 / power) if power else math.inf
+    power = -_matrix(system, wavelength_um, 0, None)[1][0]
+    return 1.0 / power if power else math.inf
 
 
 def cardinal_points(system: LensSystem, wavelength_um: float = LINE_D) -> CardinalPoints:
@@ -80,14 +83,17 @@ def cardinal_points(system: LensSystem, wavelength_um: float = LINE_D) -> Cardin
     Raises
     ------
     InputError
-        If the system has no focal length.
+        If the system has no focal length, or one above 1e9 mm.
     """
-    matrix, last = _matrix(system, wavelength_um, 0, None), float(system.vertices[-1])
-    if matrix[1, 0] == 0.0:
-        raise InputError(f"system: got {system.name!r}, which has no focal length; allowed is a lens that bends rays")
-    length = float(-1.0 / matrix[1, 0])
+    ((a, _), (c, d)), last = _matrix(system, wavelength_um, 0, None), float(system.vertices[-1])
+    if not abs(c) * _LONGEST_FOCUS >= 1.0:
+        raise InputError(
+            f"system: got {system.name!r}, which has no focal length up to {_LONGEST_FOCUS:g} mm; "
+            "allowed is a lens that bends rays"
+        )
+    length = -1.0 / c
     # A ray parallel to the axis at height 1 leaves at height A with slope -1/f; one from behind likewise, with D.
-    front, back = -length * float(matrix[1, 1]), last + length * float(matrix[0, 0])
+    front, back = -length * d, last + length * a
     return CardinalPoints(length, front, back, front + length, back - length, last)
 
 
@@ -95,7 +101,7 @@ def entrance_pupil(system: LensSystem, wavelength_um: float = LINE_D) -> Pupil:
     """The stop as the scene sees it, which bounds the light of a point on the axis."""
     (a, b), _ = _matrix(system, wavelength_um, 0, _stop(system))
     # The ray (height, slope) = (-b, a) meets the stop's centre; heights in the pupil come to the stop times a.
-    return Pupil(float(b / a), float(_stop_radius(system) / abs(a))) if a else Pupil(math.inf, math.inf)
+    return _pupil(b / a, _stop_radius(system) / abs(a)) if a else Pupil(math.inf, math.inf)
 
 
 def exit_pupil(system: LensSystem, wavelength_um: float = LINE_D) -> Pupil:
@@ -104,12 +110,31 @@ def exit_pupil(system: LensSystem, wavelength_um: float = LINE_D) -> Pupil:
     # Rays of the stop's centre leave at height b with slope d.
     if d == 0.0:
         return Pupil(math.inf, math.inf)
-    return Pupil(float(system.vertices[-1] - b / d), float(_stop_radius(system) * abs(a - b * c / d)))
+    return _pupil(float(system.vertices[-1]) - b / d, _stop_radius(system) * abs(a - b * c / d))
+
+
+def _pupil(z: float, radius: float) -> Pupil:
+    """A pupil, at infinity where its place is beyond all numbers."""
+    return Pupil(z, radius) if math.isfinite(z) and math.isfinite(radius) else Pupil(math.inf, math.inf)
 
 
 def f_number(system: LensSystem, wavelength_um: float = LINE_D) -> float:
-    """Focal length over the **diameter** of the entrance pupil; the glass's transmission is not counted."""
-    return abs(focal_length(system, wavelength_um)) / (2.0 * entrance_pupil(system, wavelength_um).radius)
+    """Focal length over the **diameter** of the entrance pupil; ``inf`` without a focal length.
+
+    The glass's transmission is not counted: `transmission`.
+    """
+    length = abs(focal_length(system, wavelength_um))
+    return length / (2.0 * entrance_pupil(system, wavelength_um).radius) if math.isfinite(length) else math.inf
+
+
+def transmission(system: LensSystem, wavelength_um: float = LINE_D) -> float:
+    """Share of the light of a ray on the axis that uncoated surfaces let through; glass absorbs nothing.
+
+    Fresnel's reflectance at normal incidence, ((n - n') / (n + n'))^2, is lost at every surface, also where two glasses
+    are cemented.
+    """
+    index = as_instance("system", system, LensSystem).indices(wavelength_um).tolist()
+    return math.prod(1.0 - ((n - behind) / (n + behind)) ** 2 for n, behind in pairwise(index))
 
 
 def stopped_down(system: LensSystem, f_stop: float, wavelength_um: float = LINE_D) -> LensSystem:
@@ -118,8 +143,9 @@ def stopped_down(system: LensSystem, f_stop: float, wavelength_um: float = LINE_
     Raises
     ------
     InputError
-        If the stop had to be wider than it is.
+        If the stop had to be wider than it is, or the entrance pupil is at infinity.
     """
+    _near_pupil(system, wavelength_um)
     wanted, widest = as_number("f_stop", f_stop, above=0.0, maximum=1e4), f_number(system, wavelength_um)
     if wanted < _ENGRAVED * widest:
         raise InputError(f"f_stop: got {wanted:g}; allowed is at least the lens's own, {widest:.4g}")
@@ -165,16 +191,22 @@ def _before_front_focus(
     system: LensSystem, points: CardinalPoints, focus_distance: float, wavelength_um: float
 ) -> float:
     """How far the plane in focus lies before the front focus [mm]."""
-    pupil = entrance_pupil(system, wavelength_um)
-    if math.isinf(pupil.z):
-        raise InputError(
-            f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is one that is not"
-        )
+    pupil = _near_pupil(system, wavelength_um)
     distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
     nearest = pupil.z - min(points.front_focus, 0.0)
     if not distance > nearest:
         raise InputError(f"focus_distance: got {distance:g} mm; allowed is more than {nearest:.6g} mm")
     return distance - (pupil.z - points.front_focus)
+
+
+def _near_pupil(system: LensSystem, wavelength_um: float) -> Pupil:
+    """The entrance pupil, if it is not at infinity."""
+    pupil = entrance_pupil(system, wavelength_um)
+    if math.isinf(pupil.z):
+        raise InputError(
+            f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is one that is not"
+        )
+    return pupil
 
 
 def _stop(system: LensSystem) -> int:
@@ -185,8 +217,8 @@ def _stop_radius(system: LensSystem) -> float:
     return system.surfaces[system.stop].semi_diameter
 
 
-def _matrix(system: LensSystem, wavelength_um: float, first: int, end: int | None) -> Float:
-    """(2, 2): from before surface `first` to before surface `end`; None: to behind the last one."""
+def _matrix(system: LensSystem, wavelength_um: float, first: int, end: int | None) -> list[list[float]]:
+    """2 x 2: from before surface `first` to before surface `end`; None: to behind the last one."""
     as_instance("system", system, LensSystem)
     index = system.indices(wavelength_um)
     matrix = np.eye(2)
@@ -194,7 +226,12 @@ def _matrix(system: LensSystem, wavelength_um: float, first: int, end: int | Non
     for k in range(first, count if end is None else end):
         surface = system.surfaces[k]
         bend = (index[k] - index[k + 1]) * surface.curvature / index[k + 1]
-        matrix = np.array([[1.0, 0.0], [bend, index[k] / index[k + 1]]]) @ matrix
-        if k + 1 < count:
-            matrix = np.array([[1.0, surface.thickness], [0.0, 1.0]]) @ matrix
-    return matrix
+        with np.errstate(over="ignore", invalid="ignore"):
+            matrix = np.array([[1.0, 0.0], [bend, index[k] / index[k + 1]]]) @ matrix
+            if k + 1 < count:
+                matrix = np.array([[1.0, surface.thickness], [0.0, 1.0]]) @ matrix
+    if not np.isfinite(matrix).all():
+        raise InputError(
+            f"system: got {system.name!r}, whose rays leave the range of numbers; allowed are larger radii of curvature"
+        )
+    return matrix.tolist()

@@ -213,7 +213,8 @@ class ThickLens:
         """The lens as a `LensSystem` of two surfaces; the sensor is where distant points are sharp, or at the lens."""
         index, rim = self.glass.index(LINE_D), self.diameter / 2.0
         bent = (index - 1.0) * self.thickness / index
-        power = (index - 1.0) * (1.0 / self.radius1 - 1.0 / self.radius2 + bent / (self.radius1 * self.radius2))
+        power = (index - 1.0) * (1.0 / self.radius1 - 1.0 / self.radius2 + bent / self.radius1 / self.radius2)
         back_focal_distance = (1.0 - bent / self.radius1) / power if power > 0.0 else 0.0
+        back_focal_distance = back_focal_distance if back_focal_distance <= _LONGEST else 0.0
         front = Surface(self.radius1, self.thickness, self.glass, rim, is_stop=True)
         return LensSystem(name, (front, Surface(self.radius2, max(back_focal_distance, 0.0), AIR, rim)))

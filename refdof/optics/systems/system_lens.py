@@ -1,23 +1,20 @@
 """System lens: a lens system on a camera, focused. To methods that know thin lenses it is the thin lens of its pupil.
 
-The film moves to focus; the camera's eye is the middle of the entrance pupil. Wavelengths of red, green and blue are
-those of [1], and what is said to be in focus is so in yellow, at the d line.
-
-References
-----------
-.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 4.
+The film moves to focus; the camera's eye is the middle of the entrance pupil. What is said to be in focus is so in
+yellow, at the d line.
 """
 
 import math
 from dataclasses import dataclass, field, replace
 
-from refdof._check import InputError, as_instance, as_number
+from refdof._check import InputError, as_bool, as_instance, as_number
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.height_lens import HeightLens
-from refdof.optics.systems.lens_map import RGB_WAVELENGTHS, LensMap, lens_map_of
+from refdof.optics.systems.lens_map import LensMap, lens_map_of
 from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for, stopped_down
+from refdof.optics.systems.spectrum import wavelengths_of
 from refdof.optics.systems.system import LensSystem
 
 __all__ = ["FILM_HEIGHT", "SystemLens"]
@@ -42,11 +39,19 @@ class SystemLens(ThinLens):
     mm_per_unit : float
         How many of the prescription's millimetres a scene unit has: 1000 where the scene is in metres. Another number
         scales the lens.
+    wavelengths : int
+        At how many wavelengths a lens with dispersion is traced, 3 to 31; each takes as long as the whole picture of a
+        lens without. 3: at 650, 510 and 475 nm for red, green and blue. More: over 400 to 700 nm, each weighed by the
+        eye's response in linear Rec.709; some weights are below 0, and so may be pixels where colours come apart,
+        since colours of the spectrum lie outside of Rec.709 (`refdof.optics.systems.spectrum`).
+    vignetting : bool
+        Whether all rims block light, as they do. False: only the stop's does.
 
     Raises
     ------
     InputError
-        If the lens is not as fast as the f-number, cannot focus there, or a number is out of range.
+        If the lens is not as fast as the f-number or cannot focus there, a number is out of range, or a glass is not
+        transparent.
     """
 
     radius: float = field(init=False)
@@ -55,6 +60,8 @@ class SystemLens(ThinLens):
     system: LensSystem | HeightLens
     f_number: float | None
     mm_per_unit: float
+    wavelengths: int
+    vignetting: bool
     stopped: LensSystem = field(init=False)  # the system with the stop of the f-number; of a height lens, the paraxial
 
     def __init__(
@@ -63,11 +70,14 @@ class SystemLens(ThinLens):
         focus_distance: float,
         f_number: float | None = None,
         mm_per_unit: float = 1000.0,
+        wavelengths: int = 3,
+        vignetting: bool = True,
     ) -> None:
         given, system = system, system.paraxial if isinstance(system, HeightLens) else system
         as_instance("system", system, LensSystem)
         mm = as_number("mm_per_unit", mm_per_unit, above=0.0)
         focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
+        count, vignetting = len(wavelengths_of(wavelengths)), as_bool("vignetting", vignetting)
         if f_number is not None:
             f_number = as_number("f_number", f_number, above=0.0, maximum=1e4)
         try:
@@ -83,8 +93,16 @@ class SystemLens(ThinLens):
             unit = f"; a scene unit is {mm:g} mm" if str(error).startswith("focus_distance") else ""
             raise InputError(f"{error}{unit}") from None
         super().__init__(pupil.radius / mm, focus_distance)
-        for name, value in {"system": given, "f_number": f_number, "mm_per_unit": mm, "stopped": stopped}.items():
+        for name, value in {
+            "system": given,
+            "f_number": f_number,
+            "mm_per_unit": mm,
+            "wavelengths": count,
+            "vignetting": vignetting,
+            "stopped": stopped,
+        }.items():
             object.__setattr__(self, name, value)
+        self._disperses()  # raises where a glass is not transparent
 
     def seen_by(self, camera: Camera) -> Camera:
         """The camera with the field of view that a film of 24 mm height has at the distance in focus."""
@@ -93,17 +111,24 @@ class SystemLens(ThinLens):
         return replace(camera, fov_y=math.degrees(2.0 * math.atan(half)))
 
     def map_of(self, camera: Camera, exponent: int = 0) -> LensMap:
-        """The lens before a camera, for kernels: at three wavelengths, or one where its glass has no dispersion.
+        """The lens before a camera, for kernels: at its wavelengths, or one where its glass has no dispersion.
 
         Lengths in the scene are in 2^exponent scene units.
         """
-        waves = RGB_WAVELENGTHS if self._disperses() else RGB_WAVELENGTHS[1:2]
+        waves = wavelengths_of(self.wavelengths)
         lens: LensSystem | HeightLens = self.stopped
         if isinstance(self.system, HeightLens):
             lens = self.system.with_stop(self.stopped.surfaces[0].semi_diameter)
-        made = lens_map_of(lens, camera, self.focus_distance, wavelengths_um=waves, millimetres=self.mm_per_unit)
+        made = lens_map_of(
+            lens,
+            camera,
+            self.focus_distance,
+            wavelengths_um=waves if self._disperses() else waves[1:2],
+            millimetres=self.mm_per_unit,
+            rims=self.vignetting,
+        )
         return made._replace(scale=math.ldexp(made.scale, -exponent))
 
     def _disperses(self) -> bool:
-        first, *others = (tuple(self.stopped.indices(wave)) for wave in RGB_WAVELENGTHS)
+        first, *others = (tuple(self.stopped.indices(wave)) for wave in wavelengths_of(self.wavelengths))
         return any(other != first for other in others)
