@@ -25,6 +25,7 @@ def test_the_table_has_the_numbers_of_the_double_gauss():
     values = {key: value.strip() for key, value in lines.items()}
     assert values["lens"] == "Double Gauss 50 mm f/2"
     assert values["focal length"] == "50.358 mm"  # pbrt's table, by two other programs
+    assert values["T-stop"].endswith(" (uncoated glass, absorption not counted)")
     assert values["in focus at"] == "infinity"
     assert values["field of view, 36 x 24 mm"] == "39.34 x 26.81 degrees, diagonal 46.50"  # 2 atan(18 / f) and so on
 
@@ -40,6 +41,14 @@ def test_json_holds_the_same(tmp_path):
     assert [row["height"] for row in sheet["field"]] == [0.0, 10.0, 18.0, 21.6]
     assert sheet["field"][0] == pytest.approx({"height": 0.0, "light": 1.0, "cat_eye": 1.0, "distortion": 0.0})
     assert [row["light"] for row in sheet["field"]] == pytest.approx([1.0, 0.65, 0.29, 0.15], abs=0.02)
+
+
+def test_the_t_stop_counts_what_both_faces_reflect():
+    """4 % at each: f/4.00 over the root of (4 n / (1 + n)^2)^2, by hand f/4.00 times 2.5168^2 / (4 * 1.5168)."""
+    sheet = json.loads(lens("biconvex", "--json"))
+    assert sheet["t_stop"] / sheet["f_number"] == pytest.approx(2.5168**2 / (4.0 * 1.5168), rel=1e-5)
+    assert sheet["t_stop"] == pytest.approx(4.176, abs=0.002)
+    assert f"{sheet['t_stop']:.3f} (uncoated glass" in lens("biconvex")
 
 
 def test_the_drawings_are_the_same_bytes_every_time(tmp_path):

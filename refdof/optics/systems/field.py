@@ -2,7 +2,7 @@
 
 Everything lies in the plane x = 0: film points are (0, h, sensor). Rays in front of the lens run towards it.
 
-1. rays through the centre of the stop                      `chief_rays`
+1. rays through the centre of the stop                      `chief_slopes`, `chief_rays`
 2. light at a film point, over its pupil                    `illumination`
 3. image height beside that of an ideal lens                `distortion`
 4. where the rays of one point meet the film                `spot`
@@ -30,6 +30,7 @@ __all__ = [
     "Rays",
     "bundle",
     "chief_rays",
+    "chief_slopes",
     "distortion",
     "focal_surfaces",
     "illumination",
@@ -59,24 +60,39 @@ class FilmLight(NamedTuple):
 
 def chief_rays(system: LensSystem, heights: Float, wavelength_um: float = LINE_D) -> Rays:
     """The rays from the scene that pass the stop's centre and meet the film at `heights` (N,) [mm], rims or not."""
-    origins = np.stack([np.zeros_like(heights), heights, np.full_like(heights, system.sensor)], axis=1)
+    origins = _on_film(heights, system.sensor)
+    slopes = chief_slopes(system, heights, system.sensor, wavelength_um)
+    known = np.isfinite(slopes)
+    found = _without_rims(system, origins, _towards_scene(np.where(known, slopes, 0.0)), wavelength_um, reverse=True)
+    through = (known & found.passed)[:, None]
+    return Rays(np.where(through, found.origins, np.nan), np.where(through, -found.directions, np.nan))
+
+
+def chief_slopes(system: LensSystem, heights: Float, sensor: float, wavelength_um: float = LINE_D) -> Float:
+    """Slopes dy / -dz (N,) of rays from film points (0, heights, sensor) [mm] to the stop's centre, rims or not.
+
+    NaN where there is none.
+    """
+    origins = _on_film(heights, sensor)
 
     def height_at_stop(slope: Float) -> Float:
         found = _without_rims(system, origins, _towards_scene(slope), wavelength_um, first=system.stop, reverse=True)
         return np.where(found.passed, found.origins[:, 1], np.nan)
 
     # Newton's method on the slope at the film, from the paraxial chief ray.
-    slope = heights / (exit_pupil(system, wavelength_um).z - system.sensor)
+    slope = heights / (exit_pupil(system, wavelength_um).z - sensor)
     for _ in range(_STEPS):
         height = height_at_stop(slope)
         if (np.abs(height[np.isfinite(height)]) < _CLOSE).all():
             break
         derivative = (height_at_stop(slope + 1e-6) - height) / 1e-6
         slope = np.where(np.isfinite(height / derivative), slope - height / derivative, slope)
-    centred = np.abs(height_at_stop(slope)) < _CLOSE
-    found = _without_rims(system, origins, _towards_scene(slope), wavelength_um, reverse=True)
-    through = (centred & found.passed)[:, None]
-    return Rays(np.where(through, found.origins, np.nan), np.where(through, -found.directions, np.nan))
+    return np.where(np.abs(height_at_stop(slope)) < _CLOSE, slope, np.nan)
+
+
+def _on_film(heights: Float, sensor: float) -> Float:
+    """Points (0, heights, sensor), (N, 3)."""
+    return np.stack([np.zeros_like(heights), heights, np.full_like(heights, sensor)], axis=1)
 
 
 def _towards_scene(slope: Float) -> Float:

@@ -162,7 +162,9 @@ def sensor_for(system: LensSystem, focus_distance: float, wavelength_um: float =
     """
     points = cardinal_points(system, wavelength_um)
     focus = _before_front_focus(system, points, focus_distance, wavelength_um)
-    sensor = points.back_focus + points.focal_length**2 / focus  # Newton's equation
+    # Newton's equation, f^2 / x behind the focus; a power of two keeps the square in range and changes no digit.
+    unit = math.ldexp(1.0, math.frexp(points.focal_length)[1])
+    sensor = points.back_focus + (points.focal_length / unit) ** 2 / (focus / unit) * unit
     if sensor <= points.last_vertex:
         raise InputError(
             f"system: got {system.name!r}, whose image lies inside it; allowed is a lens with a real image"

@@ -7,6 +7,9 @@ vertex is found for every distance of the sensor point from the axis, [1]:
 2. repeat with a grid on that box, twice, so that a cell of the grid and thus the box's margin is small
 3. a point between two distances has a box between their boxes                                         `bounds_at`
 
+Without rims, surfaces go on beyond where they end in glass, and far from the pupil rays may find a way through the stop
+that no lens has. Step 1 then takes a grid over one and a half times the pupil, around the ray to the stop's centre.
+
 Departures from [1]
 -------------------
 - Boxes are refined until their margin is small, so fewer rays are lost.
@@ -24,6 +27,7 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_instance, as_integer, as_number
 from refdof._jit import inline, kernel, prange
+from refdof.optics.systems.field import chief_slopes
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.paraxial import exit_pupil
@@ -71,7 +75,8 @@ def pupil_bounds(
     intervals : int
         K, 1 to 1024.
     rims : bool
-        False: only the stop bounds the light, without mechanical vignetting; of a height lens, its rim too.
+        False: only the stop bounds the light, without mechanical vignetting: surfaces have no end; of a height lens,
+        its rim too.
 
     Raises
     ------
@@ -89,15 +94,22 @@ def pupil_bounds(
         return PupilBounds(last, sensor, reach, _height_boxes(lens, sensor - last, radii, wavelength_um))
     table = table_of(system, wavelength_um, rims=rims)
 
+    stop, radii = exit_pupil(system, wavelength_um), np.linspace(0.0, reach, intervals + 1)
+    scale = (sensor - last) / (sensor - stop.z) if stop.z != sensor else math.inf
+    half = np.full(len(radii), 1.5 * stop.radius * abs(scale))
+    if not rims and 0.0 < half[0] < math.inf:
+        centre = radii + (sensor - last) * chief_slopes(system, radii, sensor, wavelength_um)
+        boxes = np.stack([centre - half, centre + half, half], axis=1)
+        for count in _GRIDS:
+            boxes = _bounded(table, last, sensor, radii, boxes, count)
+        return PupilBounds(last, sensor, reach, boxes)
+
     # A ray to the rim meets the plane farther out if the surface bulges.
     wide = surface.semi_diameter if rims else min(abs(surface.radius), 4.0 * surface.semi_diameter)
     wide += abs(surface.sag(wide)) * (reach + wide) / (sensor - last)
-    radii = np.linspace(0.0, reach, intervals + 1)
     boxes = _bounded(table, last, sensor, radii, np.tile([-wide, wide, wide], (len(radii), 1)), _GRIDS[0])
-    stop = exit_pupil(system, wavelength_um)
     if stop.z < sensor:  # it may be smaller than a cell
-        scale = (sensor - last) / (sensor - stop.z)
-        centre, half = radii * (1.0 - scale), np.full(len(radii), 1.5 * stop.radius * scale)
+        centre = radii * (1.0 - scale)
         image = np.stack([centre - half, centre + half, half], axis=1)
         boxes = joined_boxes(boxes, _bounded(table, last, sensor, radii, image, _GRIDS[0]))
     for count in _GRIDS[1:]:

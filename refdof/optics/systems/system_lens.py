@@ -45,7 +45,7 @@ class SystemLens(ThinLens):
         eye's response in linear Rec.709; some weights are below 0, and so may be pixels where colours come apart,
         since colours of the spectrum lie outside of Rec.709 (`refdof.optics.systems.spectrum`).
     vignetting : bool
-        Whether all rims block light, as they do. False: only the stop's does.
+        Whether all rims block light, as they do. False: only the stop's does, and the rim of a height lens.
 
     Raises
     ------

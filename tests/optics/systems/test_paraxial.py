@@ -11,6 +11,7 @@ import pytest
 from refdof._check import InputError
 from refdof.optics.systems.glass import AIR, LINE_C, LINE_D, LINE_F, Glass, glass_of
 from refdof.optics.systems.paraxial import (
+    Pupil,
     cardinal_points,
     entrance_pupil,
     exit_pupil,
@@ -19,6 +20,7 @@ from refdof.optics.systems.paraxial import (
     image_scale,
     sensor_for,
     stopped_down,
+    transmission,
 )
 from refdof.optics.systems.system import LensSystem, Surface, ThickLens
 from refdof.optics.systems.trace import trace
@@ -216,3 +218,84 @@ def test_what_has_no_focus():
         with pytest.raises(InputError, match=r"^focus_distance: got"):
             sensor_for(double_gauss(), distance)
     assert sensor_for(singlet(), 66.0) > 1e4  # just outside the front focus
+
+
+def two(radius1, radius2, thickness=2.0, rim=5.0):
+    """A lens of index 1.5 whose first rim is the stop."""
+    glass = Glass("plain", 1.5)
+    return LensSystem("two", (Surface(radius1, thickness, glass, rim, True), Surface(radius2, 3.0, AIR, rim)))
+
+
+@pytest.mark.parametrize("radius", [1e300, -1e300, 1.7e308, 1e160, 1e12, -1e12, math.inf])
+def test_huge_radii_are_a_plate(radius):
+    """Whose pupils are those of a flat one, and whose focus is so far that nothing near the lens has digits."""
+    plate = two(radius, -radius)
+    # 1 / f = (n - 1) (2 / R - (n - 1) t / (n R^2)), of which the second part is below 1e-12 of the first.
+    assert focal_length(plate) == pytest.approx(radius, rel=1e-11)
+    assert f_number(plate) == pytest.approx(abs(radius) / 10.0, rel=1e-11)
+    assert entrance_pupil(plate) == Pupil(0.0, 5.0)
+    assert exit_pupil(plate).z == pytest.approx(2.0 - 2.0 / 1.5, abs=1e-11)
+    assert exit_pupil(plate).radius == pytest.approx(5.0, rel=1e-11)
+    for call in (cardinal_points, lambda s: sensor_for(s, 900.0), lambda s: sensor_for(s, math.inf),
+                 lambda s: image_scale(s, 900.0), lambda s: image_scale(s, math.inf)):  # fmt: skip
+        with pytest.raises(InputError, match=r"^system: got 'two', which has no focal length up to 1e\+09 mm; allowed"):
+            call(plate)
+    with pytest.raises(InputError, match=r"^f_stop: got 8; allowed is at least the lens's own"):
+        stopped_down(plate, 8.0)
+    ThickLens(radius, -radius, 2.0, 10.0, Glass("plain", 1.5)).system()
+
+
+def test_the_longest_focal_lengths():
+    """Newton's equation is exact for the distances that it allows, to 1e-16 of the focal length."""
+    long = two(9e8, -9e8)
+    assert sensor_for(long, math.inf) == pytest.approx(9e8, rel=1e-8)
+    with pytest.raises(InputError, match=r"^focus_distance: got 1e\+06 mm; allowed is more than 9e\+08 mm"):
+        sensor_for(long, 1e6)
+    with pytest.raises(InputError, match=r"^system: got 'two', whose image lies inside"):
+        sensor_for(two(-9e8, 9e8), 1e6)
+
+
+def test_tiny_radii():
+    """A lens made smaller by a power of two has all numbers smaller by it, to the last digit."""
+    large, small = two(1.0, -1.0, 2.0, 1.0), two(2.0**-600, -(2.0**-600), 2.0**-599, 2.0**-600)
+    assert focal_length(small) == math.ldexp(focal_length(large), -600)
+    assert f_number(small) == f_number(large)
+    assert entrance_pupil(small).radius == math.ldexp(entrance_pupil(large).radius, -600)
+    assert exit_pupil(small).z == math.ldexp(exit_pupil(large).z, -600)
+    assert sensor_for(small, math.inf) == math.ldexp(sensor_for(large, math.inf), -600)
+    assert sensor_for(small, math.ldexp(9.0, -600)) == math.ldexp(sensor_for(large, 9.0), -600)
+    assert sensor_for(small, 1e300) == sensor_for(small, math.inf)
+    assert image_scale(small, math.ldexp(9.0, -600)) == math.ldexp(image_scale(large, 9.0), -600)
+    assert f_number(stopped_down(small, 8.0)) == pytest.approx(8.0, rel=1e-13)
+    ThickLens(1e-200, -1e-200, 2e-200, 2e-200, Glass("plain", 1.5)).system()
+
+
+def test_tiny_radii_far_apart_leave_the_range_of_numbers():
+    apart = two(1e-160, -1e-160, 2.0, 1e-160)
+    for call in (focal_length, cardinal_points, exit_pupil, f_number, lambda s: sensor_for(s, 900.0),
+                 lambda s: image_scale(s, 900.0), lambda s: stopped_down(s, 8.0)):  # fmt: skip
+        with pytest.raises(InputError, match=r"^system: got 'two', whose rays leave the range of numbers; allowed"):
+            call(apart)
+    assert entrance_pupil(apart) == Pupil(0.0, 1e-160)
+
+
+def test_a_stop_in_the_focus_of_the_front_cannot_be_closed_to_an_f_number():
+    """Its entrance pupil is at infinity: the front lens's back focal distance is R / (n - 1), powers of two."""
+    flat, n = math.inf, 1.5
+    front = (Surface(flat, 2.0, Glass("plain", n), 5.0), Surface(-64.0, 128.0, AIR, 5.0))
+    lens = LensSystem("telecentric", (*front, Surface(flat, 3.0, AIR, 2.0, True)))
+    assert entrance_pupil(lens) == Pupil(math.inf, math.inf)
+    for call in (lambda s: stopped_down(s, 8.0), lambda s: sensor_for(s, 900.0), lambda s: image_scale(s, 900.0)):
+        with pytest.raises(InputError, match=r"^system: got 'telecentric', whose entrance pupil is at infinity"):
+            call(lens)
+
+
+def test_transmission_is_fresnels_at_normal_incidence():
+    """Closed form: 1 - ((n - n') / (n + n'))^2 = 4 n n' / (n + n')^2 at each surface."""
+    n = 1.5168  # of N-BK7 at the d line
+    assert transmission(singlet()) == pytest.approx((4.0 * n / (1.0 + n) ** 2) ** 2, rel=1e-5)
+    assert transmission(singlet()) == pytest.approx(0.9174, abs=1e-4)  # 4.2 % are lost at each face
+    flint = 1.67271  # N-SF5
+    cemented = 4.0 * n / (1.0 + n) ** 2 * (4.0 * n * flint / (n + flint) ** 2) * (4.0 * flint / (1.0 + flint) ** 2)
+    assert transmission(doublet()) == pytest.approx(cemented, rel=1e-5)  # and the stop in air loses nothing
+    assert transmission(doublet().reversed()) == pytest.approx(cemented, rel=1e-5)

@@ -50,8 +50,25 @@ def test_a_field_can_be_replaced():
 def test_one_wavelength_is_enough_for_glass_without_dispersion():
     plain = ThickLens(50.0, -50.0, 2.0, 4.0, Glass("plain", 1.5)).system()
     crown = ThickLens(50.0, -50.0, 2.0, 4.0, glass_of("N-BK7")).system()
-    assert not SystemLens(plain, 2.0)._disperses()
-    assert SystemLens(crown, 2.0)._disperses()
+    for count in (3, 7):
+        assert not SystemLens(plain, 2.0, wavelengths=count)._disperses()
+        assert SystemLens(crown, 2.0, wavelengths=count)._disperses()
+
+
+def test_wavelengths_and_vignetting_change_no_thin_lens():
+    plain, other = SystemLens(double_gauss(), 2.0), SystemLens(double_gauss(), 2.0, wavelengths=15, vignetting=False)
+    assert (plain.wavelengths, plain.vignetting) == (3, True)
+    assert (other.radius, other.seen_by(CAMERA)) == (plain.radius, plain.seen_by(CAMERA))
+    again = replace(other, wavelengths=3, vignetting=True)
+    assert (again.wavelengths, again.vignetting, again.stopped) == (3, True, plain.stopped)
+
+
+def test_glass_that_is_opaque_to_violet_light_is_refused():
+    """Sellmeier's resonance at 0.42 um: beyond it there is no index, and the shortest of 15 wavelengths is 0.41 um."""
+    opaque = ThickLens(50.0, -50.0, 2.0, 4.0, Glass("opaque", b=(1.2,), c=(0.42**2,))).system()
+    assert SystemLens(opaque, 2.0).wavelengths == 3
+    with pytest.raises(InputError, match=r"wavelength_um: got 0\.41; allowed is one at which opaque is transparent"):
+        SystemLens(opaque, 2.0, wavelengths=15)
 
 
 @pytest.mark.parametrize(
@@ -63,6 +80,10 @@ def test_one_wavelength_is_enough_for_glass_without_dispersion():
         ({"focus_distance": np.nan}, "focus_distance: "),
         ({"mm_per_unit": 0.0}, "mm_per_unit: "),
         ({"f_number": -2.0}, "f_number: "),
+        ({"wavelengths": 2}, "wavelengths: got 2; allowed "),
+        ({"wavelengths": 32}, "wavelengths: got 32; allowed "),
+        ({"wavelengths": 7.5}, "wavelengths: "),
+        ({"vignetting": 1}, "vignetting: "),
     ],
 )
 def test_bad_input(change, words):
