@@ -1,4 +1,4 @@
-"""The group of all commands: those of the oracle, explanations and lenses are added when called."""
+"""The group of all commands: those of the oracle, explanations, lenses and focus are added when called."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,6 +18,7 @@ class Commands(TyperGroup):
         self._add_oracle()
         self._add_explain()
         self._add_lens()
+        self._add_focus()
         return super().list_commands(context)
 
     def get_command(self, context: Any, name: str) -> Any:
@@ -26,6 +27,8 @@ class Commands(TyperGroup):
             self._add_explain()
         elif name == "lens":
             self._add_lens()
+        elif name in ("focus", "pick"):
+            self._add_focus()
         elif name not in self.commands:
             self._add_oracle()
         return super().get_command(context, name)
@@ -44,6 +47,11 @@ class Commands(TyperGroup):
         from refdof.lens_cli import add_lens
 
         self._add(add_lens)
+
+    def _add_focus(self) -> None:
+        from refdof.focus_cli import add_focus
+
+        self._add(add_focus)
 
     def _add(self, add: Callable[[typer.Typer], None]) -> None:
         more = typer.Typer()

@@ -28,7 +28,9 @@ from refdof.scene.scene import Scene
 
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
-_SHARED = ("surfaces", "tracer", "triangles", "lens map", "pinhole", "coc")  # by many methods; small beside layers
+_WITHOUT_LENS = ("surfaces", "tracer", "triangles", "pinhole", "layers")  # products that no lens changes
+_WITH_RADIUS = ("umbra layers", "surface counts", "lensblur")  # only its radius
+_SHARED = ("surfaces", "tracer", "triangles", "ray map", "pinhole", "coc")  # by many methods; small beside layers
 
 
 class Pinhole(NamedTuple):
@@ -180,6 +182,16 @@ class View:
     def coc_px(self) -> Float:
         """Signed circle of confusion of the pinhole's depth: (H, W) float64 [px]."""
         return self.product("coc", lambda: self.lens.coc_px(self.pinhole().depth, self.camera))
+
+    def with_lens(self, lens: ThinLens) -> "View":
+        """The same scene and camera before another lens; products that the lens does not change are shared."""
+        other = View(self.scene, self.camera, lens)
+        kept: tuple[str, ...] = _WITHOUT_LENS
+        if lens.radius == self.lens.radius and lens.aperture.reach == self.lens.aperture.reach:
+            kept = (*kept, *_WITH_RADIUS)
+        other.times_warm_runs = self.times_warm_runs
+        other._products = {name: made for name, made in self._products.items() if name.startswith(kept)}
+        return other
 
     def forget_layers(self) -> None:
         """Make room: forget all products but those that many methods share. Who asks for one again gets a new one."""

@@ -1,5 +1,7 @@
-"""Expressive lens: a thin lens with intuitive controls of its aberrations, in place of surfaces and glasses, [1].
+"""Expressive lens: a thin lens with intuitive controls of focus, aperture and aberrations, for every pixel, [1].
 
+- focus: a focal surface, the distance in focus of every pixel
+- depth of field: the aperture's size for every pixel
 - spherical aberration: refractive power by the place in the aperture, a spline
 - bokeh: the weight of rays by the place in the aperture, a spline
 - curvature of field: how far the image plane is displaced, a spline over the field, or a surface over the picture
@@ -16,7 +18,7 @@ Departures from the paper
 
 References
 ----------
-.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 5.3.
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.2 and 5.3.
 """
 
 import math
@@ -43,7 +45,7 @@ _MOST = 64  # values of a spline
 
 @dataclass(frozen=True, init=False, eq=False)
 class ExpressiveLens(ThinLens):
-    """A thin lens whose aberrations are set directly. Left out, each is none, and the lens is the thin one.
+    """A thin lens whose focus and aberrations are set directly. Left out, each is none, and the lens is the thin one.
 
     The reference, `accumulation` and `lensblur` trace its rays. All other methods take circles of confusion, with the
     mean power over aperture and colours: each pixel's own; `multiview` takes those of the picture's middle.
@@ -64,6 +66,11 @@ class ExpressiveLens(ThinLens):
         equal cells, bilinear between them.
     indices : 3 floats
         Index of refraction, > 1, for red, green and blue; the focal length is that of green.
+    focal_surface : (h, w) floats
+        Distance in focus [scene units], > 0, ``inf`` is allowed: over the picture, as `image_offset`; bilinear in
+        1 / distance, so that planes stay planes. Left out: the focus distance everywhere.
+    aperture_scale : (h, w) floats
+        Radius of the aperture over the lens radius, 0 to 1, over the picture.
 
     Raises
     ------
@@ -79,6 +86,8 @@ class ExpressiveLens(ThinLens):
     ray_weights: tuple[float, ...]
     image_offset: Float
     indices: tuple[float, float, float]
+    focal_surface: Float
+    aperture_scale: Float
 
     def __init__(
         self,
@@ -90,6 +99,8 @@ class ExpressiveLens(ThinLens):
         ray_weights: Sequence[float] = (1.0, 1.0),
         image_offset: Any = (0.0, 0.0),
         indices: Sequence[float] = (1.5, 1.5, 1.5),
+        focal_surface: Any = None,
+        aperture_scale: Any = ((1.0,),),
         aperture: Aperture | None = None,
     ) -> None:
         super().__init__(radius, focus_distance, Aperture.disc() if aperture is None else aperture)
@@ -108,6 +119,15 @@ class ExpressiveLens(ThinLens):
         if not colors.min() > 1.0:
             raise InputError(f"indices: smallest value is {colors.min():g}; allowed are values above 1")
         object.__setattr__(self, "indices", tuple(colors.tolist()))
+        surface = [[self.focus_distance]] if focal_surface is None else focal_surface
+        _picture_shape("focal_surface", surface)
+        surface = as_float("focal_surface", surface, (None, None), dtype=np.float64, finite=False)
+        if not surface.min() > 0.0:
+            raise InputError(f"focal_surface: smallest value is {surface.min():g}; allowed are values above 0")
+        object.__setattr__(self, "focal_surface", surface)
+        _picture_shape("aperture_scale", aperture_scale)
+        scale = as_float("aperture_scale", aperture_scale, (None, None), dtype=np.float64, minimum=0.0, maximum=1.0)
+        object.__setattr__(self, "aperture_scale", scale)
 
     def _offset(self, given: Any) -> Float:
         shape = (None,) if len(shape_of("image_offset", given)) == 1 else (None, None)
@@ -132,7 +152,7 @@ class ExpressiveLens(ThinLens):
         """(H, W) float64: one over the distance at which rays of the lens's middle meet [1 / scene unit]; green."""
         as_instance("camera", camera, Camera)
         offset, distance = self._offset_of(camera), self.image_distance
-        return 1.0 / self.focus_distance + offset / (distance * (distance + offset))
+        return over_picture(1.0 / self.focal_surface, camera) + offset / (distance * (distance + offset))
 
     def coc_px(self, depth: Any, camera: Camera) -> Float:
         """Signed circle of confusion [px], as `ThinLens.coc_px`, with the mean power over aperture and colours.
@@ -145,11 +165,12 @@ class ExpressiveLens(ThinLens):
         if self.radius == 0.0 or self._is_plain():
             return super().coc_px(depth, camera)
         focus = self._mean_inverse_focus(camera)
-        if array.shape[-2:] != focus.shape:
-            focus = focus[camera.height // 2, camera.width // 2]
+        wide = over_picture(self.aperture_scale, camera)
+        if array.shape[-2:] != wide.shape:
+            focus, wide = (values[camera.height // 2, camera.width // 2] for values in (focus, wide))
         scale = min(camera.pixels_per_tangent * self.radius, sys.float_info.max)
         with np.errstate(over="ignore"):
-            return rounded(scale * (focus - 1.0 / array.astype(np.float64)), array.dtype)
+            return rounded(scale * wide * (focus - 1.0 / array.astype(np.float64)), array.dtype)
 
     def as_thin(self, depth: Float, camera: Camera) -> tuple[Float, ThinLens]:
         """Depths (..., H, W) at which the plain thin lens has each pixel's circle of confusion, and that lens.
@@ -159,7 +180,8 @@ class ExpressiveLens(ThinLens):
         plain = ThinLens(self.radius, self.focus_distance, self.aperture)
         if self._is_plain():
             return depth, plain
-        inverse = 1.0 / self.focus_distance - self._mean_inverse_focus(camera) + 1.0 / depth
+        circle = over_picture(self.aperture_scale, camera) * (self._mean_inverse_focus(camera) - 1.0 / depth)
+        inverse = 1.0 / self.focus_distance - circle
         with np.errstate(divide="ignore"):
             return (1.0 / np.maximum(inverse, 0.0)).astype(depth.dtype), plain
 
@@ -190,13 +212,15 @@ class ExpressiveLens(ThinLens):
             projection_of(camera, self, exponent),
             aperture_sampler_of(self.aperture),
             np.ldexp(self.inverse_focus(camera), exponent),
+            over_picture(self.aperture_scale, camera) if self.aperture_scale.min() < 1.0 else np.ones((1, 1)),
             np.ldexp(power, exponent),
             weight / mean,
         )
 
     def _is_plain(self) -> bool:
         """Whether all rays of a pixel meet where those of the thin lens do."""
-        return set(self.power) == {1.0} and not self.image_offset.any() and len(set(self.indices)) == 1
+        even = (self.focal_surface == self.focus_distance).all() and self.aperture_scale.min() == 1.0
+        return bool(even and set(self.power) == {1.0} and not self.image_offset.any() and len(set(self.indices)) == 1)
 
     def _added(self) -> Float:
         """(C, 2): power at r times the first plus the second is what is added to each colour's inverse focus."""
@@ -212,17 +236,31 @@ class ExpressiveLens(ThinLens):
 
     def _offset_of(self, camera: Camera) -> Float:
         """(H, W) offset of the image plane at pixel centres."""
+        if self.image_offset.ndim == 2:
+            return over_picture(self.image_offset, camera)
         x, y = np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5
-        if self.image_offset.ndim == 1:
-            field = np.hypot(x - 0.5 * camera.width, (y - 0.5 * camera.height)[:, None])
-            return _at(_spline(self.image_offset), field / (0.5 * math.hypot(camera.width, camera.height)))
-        rows, columns = self.image_offset.shape
-        across = np.apply_along_axis(
-            lambda row: np.interp(x / camera.width * columns - 0.5, np.arange(columns), row), 1, self.image_offset
-        )
-        return np.apply_along_axis(
-            lambda column: np.interp(y / camera.height * rows - 0.5, np.arange(rows), column), 0, across
-        )
+        field = np.hypot(x - 0.5 * camera.width, (y - 0.5 * camera.height)[:, None])
+        return _at(_spline(self.image_offset), field / (0.5 * math.hypot(camera.width, camera.height)))
+
+
+def over_picture(values: Float, camera: Camera) -> Float:
+    """Values (h, w) at the centres of equal cells of the picture, at its pixels' centres (H, W): bilinear."""
+    return _between(_between(values, camera.height).T, camera.width).T
+
+
+def _between(values: Float, count: int) -> Float:
+    """Values (n, m) at n places as (count, m): linear between the centres of equal parts, constant beyond."""
+    place = np.clip((np.arange(count) + 0.5) * (len(values) / count) - 0.5, 0.0, len(values) - 1.0)
+    first = np.minimum(place.astype(np.int64), max(len(values) - 2, 0))
+    part = (place - first)[:, None]
+    return (1.0 - part) * values[first] + part * values[np.minimum(first + 1, len(values) - 1)]
+
+
+def _picture_shape(name: str, given: Any) -> None:
+    """Raise if this does not lie over the picture: (h, w), at least one by one."""
+    shape = shape_of(name, given)
+    if len(shape) != 2 or 0 in shape:
+        raise InputError(f"{name}: got shape {shape}; allowed is (h, w), at least (1, 1)")
 
 
 def _values(name: str, given: Any, least: float) -> tuple[float, ...]:

@@ -1,18 +1,18 @@
-"""Expressive map: rays of a thin lens whose power, ray weights and image plane are what an artist says, for kernels.
+"""Expressive map: rays of a thin lens whose focus, aperture and aberrations are what an artist says, for kernels.
 
 For a place in the image [px], a point of the unit square and a wavelength, `expressive_block`:
 
 1. pick the point of the aperture, at the share r of the lens radius from the middle       `lens_point`
-2. bend the ray to where it meets the pixel's chief ray: at the inverse distance of the pixel, which the image plane's
-   offset sets, plus what the lens's power at r adds                                        `_at`, `_spline`
+2. bend the ray to where it meets the pixel's chief ray: at the inverse distance of the pixel, which the focal surface
+   and the image plane's offset set, plus what the lens's power at r adds                   `_at`, `_spline`
 3. weigh it by the spline of ray weights at r                                               `_spline`
 
-A ray starts at E (vx, vy, 0), where E is the lens radius and v the aperture's point, and runs along
+A ray starts at E (vx, vy, 0), where E is the lens radius at the pixel and v the aperture's point, and runs along
 (right - E vx k, up - E vy k, -1), where (right, up, -1) is the chief ray and k the inverse distance.
 
 References
 ----------
-.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 5.3.
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.2 and 5.3.
 """
 
 from typing import NamedTuple
@@ -36,6 +36,7 @@ class ExpressiveMap(NamedTuple):
     projection: Projection
     aperture_sampler: ApertureSampler
     inverse_focus: Float  # (H, W), at the pixels' centres
+    aperture_scale: Float  # (H, W), or (1, 1) for all
     power: Float  # (W, parts, 4): what is added to the inverse focus
     weight: Float  # (parts, 4), 1 on average over the aperture
 
@@ -47,6 +48,7 @@ def borrow_expressive_map(o):
         o.projection,
         borrow_aperture_sampler(o.aperture_sampler),
         borrow(o.inverse_focus),
+        borrow(o.aperture_scale),
         borrow(o.power),
         borrow(o.weight),
     )
@@ -64,7 +66,8 @@ def expressive_block(expressive_map, wavelength, columns, rows, x, y, dx, dy, we
         lens_x, lens_y = lens_point(expressive_map.aperture_sampler, x[k], y[k])
         part = min(np.sqrt(lens_x * lens_x + lens_y * lens_y), 1.0)
         bend = _at(expressive_map.inverse_focus, columns[k] - 0.5, rows[k] - 0.5) + _spline(power, part)
-        x[k], y[k] = radius * lens_x, radius * lens_y
+        wide = radius * _at(expressive_map.aperture_scale, columns[k] - 0.5, rows[k] - 0.5)
+        x[k], y[k] = wide * lens_x, wide * lens_y
         right, up = (columns[k] - 0.5 * projection.width) * scale, (0.5 * projection.height - rows[k]) * scale
         dx[k], dy[k] = right - x[k] * bend, up - y[k] * bend
         weights[k] = _spline(expressive_map.weight, part)

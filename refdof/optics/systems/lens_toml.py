@@ -12,14 +12,12 @@ diameter = 25.2          # clear, across
 stop = true              # on one surface
 """
 
-import difflib
-import json
 import math
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from refdof._check import InputError, as_bool, as_number
+from refdof._toml import check_keys, parse, quoted, shown
 from refdof.optics.systems.glass import AIR, GLASSES, Glass
 from refdof.optics.systems.rows import Material, Row, check_count, system_from
 from refdof.optics.systems.system import LensSystem
@@ -38,13 +36,8 @@ def parse_toml(file: str, text: str) -> LensSystem:
     InputError
         If a key is missing or unknown (the nearest one is said), a value is bad, or the surfaces make no lens.
     """
-    try:
-        table = tomllib.loads(text)
-    except RecursionError:
-        raise InputError(f"{file}: is nested too deep; allowed is a TOML file of a lens") from None
-    except ValueError as error:  # also of numbers with too many digits
-        raise InputError(f"{file}: got {error}; allowed is a TOML file") from None
-    _check_keys(file, table, _TOP)
+    table = parse(file, text, "a lens")
+    check_keys(file, table, _TOP)
     for key in ("name", "source"):
         if not isinstance(table[key], str) or not table[key].strip():
             raise InputError(f"{file}: {key}: got {table[key]!r:.80}; allowed is a sentence")
@@ -71,22 +64,22 @@ def lens_text(system: LensSystem) -> str:
     InputError
         If a glass is neither a named one nor an index with or without an Abbe number.
     """
-    lines = [f"name = {_quoted('name', system.name)}", f"source = {_quoted('source', system.source)}", 'unit = "mm"']
+    lines = [f"name = {quoted('name', system.name)}", f"source = {quoted('source', system.source)}", 'unit = "mm"']
     for surface in system.surfaces:
         lines += [
             "",
             "[[surface]]",
-            f"radius = {_shown(surface.radius)}",
-            f"thickness = {_shown(surface.thickness)}",
+            f"radius = {shown(surface.radius)}",
+            f"thickness = {shown(surface.thickness)}",
             f"glass = {_glass_text(surface.glass)}",
-            f"diameter = {_shown(2.0 * surface.semi_diameter)}",
+            f"diameter = {shown(2.0 * surface.semi_diameter)}",
             *(["stop = true"] if surface.is_stop else []),
         ]
     return "\n".join(lines) + "\n"
 
 
 def _row(place: str, surface: Mapping[str, Any]) -> Row:
-    _check_keys("", surface, _SURFACE, ("stop",))
+    check_keys("", surface, _SURFACE, ("stop",))
     return Row(
         place,
         as_number("radius", surface["radius"], finite=False),
@@ -107,36 +100,9 @@ def _material(value: Any) -> Material:
     return as_number("glass", value)
 
 
-def _check_keys(where: str, table: Mapping[str, Any], needed: Iterable[str], optional: Iterable[str] = ()) -> None:
-    """Raise if a key is missing or unknown."""
-    needed, known = tuple(needed), (*needed, *optional)
-    start = f"{where}: " if where else ""
-    for key in table:
-        if key not in known:
-            near = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"{start}{key[:80]!r}: unknown; {hint}allowed are {', '.join(known)}")
-    for key in needed:
-        if key not in table:
-            raise InputError(f"{start}{key}: missing; needed are {', '.join(needed)}")
-
-
 def _glass_text(glass: Glass) -> str:
     if glass == AIR or GLASSES.get(glass.name) == glass:
-        return _quoted("glass", glass.name)
+        return quoted("glass", glass.name)
     if glass.n_d is None:
         raise InputError(f"glass: got {glass.name!r}; allowed is a named glass, an index, or an index and Abbe number")
-    return _shown(glass.n_d) if math.isinf(glass.v_d) else f"[{_shown(glass.n_d)}, {_shown(glass.v_d)}]"
-
-
-def _quoted(name: str, text: str) -> str:
-    """A basic string of TOML: JSON's, but that the control character 7F is escaped, too."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        raise InputError(f"{name}: has half of a surrogate pair; allowed is text") from None
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _shown(number: float) -> str:
-    return repr(float(number))
+    return shown(glass.n_d) if math.isinf(glass.v_d) else f"[{shown(glass.n_d)}, {shown(glass.v_d)}]"

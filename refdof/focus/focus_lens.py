@@ -1,0 +1,131 @@
+"""Focus lens: the lens that makes focus points sharp, in one of three ways.
+
+- "distance": a thin lens, focused at the mean of the points' inverse distances        `_distance`
+- "plane": tilt-shift, a tilted image plane behind a thin lens                          `focal_plane`
+- "surface": a focal surface and an aperture of each pixel's own                        `moving_least_squares`
+
+Departures from the paper
+-------------------------
+- The surface interpolates inverse distances: a plane through three points is one, as a lens sees it.
+- Weights 1 / d^beta are those of a pixel's distance from each point, in picture heights.
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.1 and 5.2.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdof._check import InputError, as_choice, as_instance, as_instances, as_number
+from refdof.focus.focal_plane import focal_plane
+from refdof.focus.moving_least_squares import moving_least_squares
+from refdof.focus.point import FocusPoint, Placed, placed
+from refdof.optics.camera import Camera
+from refdof.optics.expressive_lens import ExpressiveLens
+from refdof.optics.lens import ThinLens
+from refdof.view import View
+
+__all__ = ["KINDS", "Focus", "focus_lens"]
+
+KINDS = ("distance", "plane", "surface")
+_MOST_POINTS = 256
+_FOCAL_LENGTH = 0.1  # of the nearest distance in focus, where none is given
+
+
+@dataclass(frozen=True)
+class Focus:
+    """Focus points, and what the lens does to follow them.
+
+    Parameters
+    ----------
+    points : tuple of FocusPoint
+        1 to 256.
+    kind : one of `KINDS`
+        "surface" follows every point, and with one point is even; "plane" is what a view camera can do; "distance" is
+        what any camera can.
+    focal_length : float, optional
+        [scene units]; below the distances in focus. It sets the tilt of the image plane, and with the lens radius the
+        f-number; the picture does not depend on it. Default: a tenth of the nearest distance in focus.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range or there is no point.
+    """
+
+    points: tuple[FocusPoint, ...]
+    kind: str = "surface"
+    focal_length: float | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.points, list | tuple) and not 1 <= len(self.points) <= _MOST_POINTS:
+            raise InputError(f"points: got {len(self.points)}; allowed are 1 to {_MOST_POINTS}")
+        object.__setattr__(self, "points", as_instances("points", self.points, FocusPoint))
+        as_choice("kind", self.kind, KINDS)
+        if self.focal_length is not None:
+            object.__setattr__(self, "focal_length", as_number("focal_length", self.focal_length, above=0.0))
+
+
+def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
+    """The lens of the view's lens radius and aperture that follows focus points at a frame.
+
+    Raises
+    ------
+    InputError
+        If no point is in the picture, a triangle does not exist, or a distance in focus is not in front of the lens.
+    """
+    as_instance("focus", focus, Focus)
+    as_instance("view", view, View)
+    frame = as_number("frame", frame, minimum=-1e9, maximum=1e9)
+    found = placed(list(focus.points), view, frame)
+    length = _FOCAL_LENGTH * float(found.focus.min()) if focus.focal_length is None else focus.focal_length
+    if not length < found.focus.min():
+        raise InputError(
+            f"focal_length: got {length:g}; allowed is less than the nearest distance in focus {found.focus.min():g}"
+        )
+    camera, lens = view.camera, view.lens
+    given: dict[str, Any] = {"aperture": lens.aperture}
+    mean = float(found.weight.sum() / (found.weight / found.focus).sum())
+    if focus.kind == "distance":
+        return ExpressiveLens(lens.radius, mean, length, aperture_scale=[[_aperture(found)]], **given)
+    if focus.kind == "plane":
+        plane = focal_plane(found, camera)
+        inverse = plane.inverse_focus(camera)
+        if not inverse.max() < 1.0 / length:
+            raise InputError(
+                f"focal_length: got {length:g}; allowed is less than the plane's nearest distance {1 / inverse.max():g}"
+            )
+        axis = 1.0 / plane.coefficients[0]
+        offset = 1.0 / (1.0 / length - inverse) - 1.0 / (1.0 / length - 1.0 / axis)
+        given |= {"image_offset": offset, "aperture_scale": [[_aperture(found)]]}
+        return ExpressiveLens(lens.radius, axis, length, **given)
+    inverse, scale = _surfaces(found, camera)
+    with np.errstate(divide="ignore"):
+        surface = 1.0 / np.maximum(inverse, 0.0)
+    return ExpressiveLens(
+        lens.radius, mean, length, focal_surface=surface, aperture_scale=np.clip(scale, 0.0, 1.0), **given
+    )
+
+
+def _aperture(found: Placed) -> float:
+    """One aperture for all: the mean by weight."""
+    return float((found.weight * found.aperture).sum() / found.weight.sum())
+
+
+def _surfaces(found: Placed, camera: Camera) -> tuple[Any, Any]:
+    """(H, W) each: the inverse distance in focus, and the aperture's scale."""
+    rows, columns = np.mgrid[: camera.height, : camera.width]
+    pixels = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=1)
+    values = np.stack([1.0 / found.focus, found.aperture], axis=1)
+    heights = np.empty((len(pixels), 2))
+    scale = 1.0 / camera.height
+    for row in range(0, len(pixels), camera.width):  # a row at a time: points times pixels of it are in memory
+        part = slice(row, row + camera.width)
+        heights[part] = moving_least_squares(
+            found.places * scale, values, found.weight, found.falloff, pixels[part] * scale
+        )
+    surfaces = heights.reshape(camera.height, camera.width, 2)
+    return surfaces[..., 0], surfaces[..., 1]

@@ -1,0 +1,200 @@
+"""Focus point: a place on a surface that shall be sharp, or blurred by an offset, and how much it counts.
+
+A point is a triangle and barycentric coordinates, so that it follows its surface wherever the vertices go, [1]. What is
+said of it may change over time: a number, or keyframes.
+
+References
+----------
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, section 5.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdof._check import Float, InputError, as_bool, as_float, as_instance, as_integer, as_number
+from refdof.view import View
+
+__all__ = ["FocusPoint", "Placed", "pick", "placed"]
+
+_RANGES: dict[str, dict[str, Any]] = {  # of what may have keyframes
+    "offset": {},
+    "aperture": {"minimum": 0.0, "maximum": 1.0},
+    "weight": {"minimum": 0.0, "maximum": 1e6},
+}
+_MOST_KEYS = 1000
+_MARGIN = 0.1  # of the picture's height: how far outside of it a point has faded out
+_WINDOW = 0.02  # of the picture's height: radius of the disc whose visible share is the point's
+_SLACK = 0.01  # of the depth: what hides a point is nearer by more than that
+
+
+@dataclass(frozen=True)
+class FocusPoint:
+    """A place on a surface, and what the lens shall do there.
+
+    Parameters
+    ----------
+    triangle : int
+        Index of the triangle in the scene's faces.
+    barycentrics : 3 floats
+        Of its corners, >= 0; they are divided by their sum.
+    offset : float, or keyframes
+        The distance in focus there lies so far behind the point [scene units]; 0: it is sharp.
+    aperture : float, or keyframes
+        Radius of the aperture there over the lens radius, 0 to 1.
+    weight : float, or keyframes
+        alpha, >= 0: how much the point counts beside others.
+    falloff : float
+        beta, 1 to 8: how fast it counts less with the distance in the picture; 2 to 4 works well, [1].
+    keep : bool
+        Counts as much when it is outside the picture or hidden.
+    name : str
+
+    Keyframes are pairs (frame, value), frames in growing order; between them a monotone cubic, beyond them constant.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+    """
+
+    triangle: int
+    barycentrics: tuple[float, float, float]
+    offset: Any = 0.0
+    aperture: Any = 1.0
+    weight: Any = 1.0
+    falloff: float = 3.0
+    keep: bool = False
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "triangle", as_integer("triangle", self.triangle, minimum=0))
+        shares = as_float("barycentrics", self.barycentrics, (3,), dtype=np.float64, minimum=0.0, maximum=1e6)
+        if not shares.sum() > 0.0:
+            raise InputError("barycentrics: all are 0; at least one must be above 0")
+        whole = 1.0 if abs(shares.sum() - 1.0) < 1e-12 else shares.sum()  # what was divided stays as it is
+        object.__setattr__(self, "barycentrics", tuple((shares / whole).tolist()))
+        for word, limits in _RANGES.items():
+            object.__setattr__(self, word, _number_or_keys(word, getattr(self, word), limits))
+        object.__setattr__(self, "falloff", as_number("falloff", self.falloff, minimum=1.0, maximum=8.0))
+        as_bool("keep", self.keep)
+        if not isinstance(self.name, str):
+            raise InputError(f"name: got {type(self.name).__name__}; allowed is text")
+
+    def value(self, word: str, frame: float) -> float:
+        """`offset`, `aperture` or `weight` at a frame."""
+        given = getattr(self, word)
+        if not isinstance(given, tuple):
+            return float(given)
+        from scipy.interpolate import PchipInterpolator  # slow to import
+
+        frames, values = np.transpose(given)
+        frames = np.concatenate([[frames[0] - 1.0], frames, [frames[-1] + 1.0]])  # it starts and ends without a jerk
+        values = np.concatenate([values[:1], values, values[-1:]])
+        return float(PchipInterpolator(frames, values)(np.clip(frame, frames[0], frames[-1])))
+
+
+class Placed(NamedTuple):
+    """Points before a camera: N of them, those that count."""
+
+    places: Float  # (N, 2) x and y in the image [px]
+    depth: Float  # (N,) planar distance [scene units]
+    focus: Float  # (N,) distance in focus there
+    aperture: Float  # (N,)
+    weight: Float  # (N,) alpha, less where the point fades out or others are nearer
+    falloff: Float  # (N,)
+
+
+def pick(view: View, pixel: tuple[int, int], name: str = "") -> FocusPoint:
+    """The focus point under a pixel (column, row).
+
+    Raises
+    ------
+    InputError
+        If the pixel is outside the picture, or shows the background.
+    """
+    as_instance("view", view, View)
+    width, height = view.camera.size
+    if not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
+        raise InputError(f"pixel: got {pixel[0]},{pixel[1]}; allowed is 0,0 to {width - 1},{height - 1}")
+    triangle = int(view.layers(1).triangle[0, pixel[1], pixel[0]]) if view.layers(1).triangle.size else -1
+    if triangle < 0:
+        raise InputError(f"pixel: got {pixel[0]},{pixel[1]}, which shows the background; allowed is one on a surface")
+    corners = view.camera.camera_from_world(view.scene.vertices[view.scene.faces[triangle]])
+    scale = 1.0 / view.camera.pixels_per_tangent
+    ray = np.array([(pixel[0] + 0.5 - 0.5 * width) * scale, (0.5 * height - pixel[1] - 0.5) * scale, -1.0])
+    shares = np.linalg.solve(corners.T, ray)  # the ray's point is a sum of corners; its length drops out
+    return FocusPoint(triangle, tuple((np.maximum(shares, 0.0) / np.maximum(shares, 0.0).sum()).tolist()), name=name)
+
+
+def placed(points: list[FocusPoint], view: View, frame: float = 0.0) -> Placed:
+    """The points as a view's camera sees them at a frame.
+
+    A point outside the picture fades out over a tenth of its height, a hidden one as its surroundings are hidden: by
+    the visible share of a disc of a fiftieth of the height. Of two points, the nearer weighs more, in proportion.
+
+    Raises
+    ------
+    InputError
+        If a triangle does not exist, or no point counts.
+    """
+    faces, camera = view.scene.faces, view.camera
+    for point in points:
+        if point.triangle >= len(faces):
+            raise InputError(f"triangle: got {point.triangle}; the scene has {len(faces)}, counted from 0")
+    corners = view.scene.vertices[faces[[point.triangle for point in points]]].reshape(len(points), 3, 3)
+    world = (np.array([point.barycentrics for point in points]).reshape(-1, 3, 1) * corners).sum(axis=1)
+    x, y, depth = camera.project(world).T
+    weight = np.array([point.value("weight", frame) for point in points])
+    for k, point in enumerate(points):
+        if not depth[k] > 0.0:
+            weight[k] = 0.0
+        elif not point.keep:
+            weight[k] *= _inside(x[k], y[k], camera.size) * _visible(view, x[k], y[k], depth[k])
+    counts = weight > 0.0
+    if not counts.any():
+        raise InputError("points: none of them is in the picture; allowed is one that is, or `keep`")
+    focus = depth + np.array([point.value("offset", frame) for point in points])
+    if not focus[counts].min() > 0.0:
+        raise InputError(f"offset: puts the focus at {focus[counts].min():g}; allowed is a distance above 0")
+    found = np.stack([x, y], axis=1), depth, focus, [point.value("aperture", frame) for point in points]
+    falloff = [point.falloff for point in points]
+    nearest = depth[counts].min()
+    weight = weight * nearest / np.where(counts, depth, 1.0)
+    return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, falloff)))
+
+
+def _inside(x: float, y: float, size: tuple[int, int]) -> float:
+    """1 inside the picture, 0 beyond the margin, smooth between."""
+    width, height = size
+    beyond = np.hypot(max(-x, x - width, 0.0), max(-y, y - height, 0.0)) / (_MARGIN * height)
+    rest = max(1.0 - float(beyond), 0.0)
+    return rest * rest * (3.0 - 2.0 * rest)
+
+
+def _visible(view: View, x: float, y: float, depth: float) -> float:
+    """Share of the pixels about a place that show nothing nearer than `depth`; 1 where there are none."""
+    width, height = view.camera.size
+    reach = max(_WINDOW * height, 1.0)
+    rows = np.arange(max(int(y - reach), 0), min(int(y + reach) + 1, height))[:, None]
+    columns = np.arange(max(int(x - reach), 0), min(int(x + reach) + 1, width))[None, :]
+    near = np.hypot(columns + 0.5 - x, rows + 0.5 - y) <= reach
+    if not near.any():
+        return 1.0
+    rows, columns = np.broadcast_arrays(rows, columns)
+    seen = view.pinhole().depth[rows[near], columns[near]]
+    return float((seen >= depth * (1.0 - _SLACK)).mean())
+
+
+def _number_or_keys(name: str, given: Any, limits: dict[str, Any]) -> Any:
+    if not isinstance(given, list | tuple | np.ndarray) or np.ndim(given) == 0:
+        return as_number(name, given, **limits)
+    keys = as_float(name, given, (None, 2), dtype=np.float64)
+    if not 1 <= len(keys) <= _MOST_KEYS:
+        raise InputError(f"{name}: got {len(keys)} keyframes; allowed are 1 to {_MOST_KEYS}")
+    if not (np.diff(keys[:, 0]) > 0.0).all():
+        raise InputError(f"{name}: frames of keyframes do not grow; allowed are frames in growing order")
+    for value in keys[:, 1]:
+        as_number(name, float(value), **limits)
+    return tuple((float(frame), float(value)) for frame, value in keys)

@@ -1,0 +1,109 @@
+"""The commands `refdof pick` and `refdof focus`: focus points on a scene, and pictures of a lens that follows them."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from refdof._check import InputError
+from refdof.focus.focus_file import load_focus, point_text
+from refdof.focus.focus_lens import focus_lens
+from refdof.focus.point import pick as pick_point
+from refdof.image.atomic import atomic_folder, check_folder
+from refdof.image.file import save_image
+from refdof.options import (
+    AsJson,
+    Preset,
+    Radius,
+    Settings,
+    Size,
+    Threads,
+    pixel_of,
+    scene_camera_lens,
+    set_threads,
+    settings_of,
+)
+from refdof.progress import progress_line
+from refdof.rendering import make_params, render_view
+from refdof.view import View
+
+__all__ = ["add_focus"]
+
+_MOST_FRAMES = 100_000
+_FORMATS = ("png", "exr", "npy")
+
+Points = Annotated[Path, typer.Option("--points", metavar="FILE", help="Focus points, a focus.toml.")]
+
+
+def add_focus(app: typer.Typer) -> None:
+    """Give `app` the commands."""
+    app.command()(pick)
+    app.command()(focus)
+
+
+def pick(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    pixel: Annotated[str, typer.Option("--pixel", metavar="X,Y", help="Column and row, from the upper left.")],
+    size: Size = None,
+    name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
+    as_json: AsJson = False,
+) -> None:
+    """Print the focus point under a pixel, ready for a focus.toml."""
+    view = View(*scene_camera_lens(scene, size, None, None))
+    point = pick_point(view, pixel_of(pixel), name)
+    if as_json:
+        facts = {"name": point.name, "triangle": point.triangle, "barycentrics": point.barycentrics}
+        print(json.dumps(facts))
+    else:
+        print(point_text(point))
+
+
+def focus(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    points: Points,
+    method: Annotated[str, typer.Option("--method", help="Method name, see `refdof methods`.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the pictures; made if it is missing.")
+    ],
+    frames: Annotated[
+        str, typer.Option("--frames", metavar="A:B", help="Frames A to B - 1 of the keyframes. Default: frame 0.")
+    ] = "0:1",
+    file_format: Annotated[
+        str, typer.Option("--format", metavar="png|exr|npy", help="Of the pictures: display, or linear.")
+    ] = "png",
+    settings: Settings = None,
+    preset: Preset = "best",
+    size: Size = None,
+    lens_radius: Radius = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Render a scene, or a sequence of frames, with a lens that follows focus points."""
+    set_threads(threads)
+    if file_format not in _FORMATS:
+        raise InputError(f"format: got {file_format!r}; allowed are {', '.join(_FORMATS)}")
+    first, end = _frames(frames)
+    check_folder(output, "output")
+    params = settings_of(settings or [])
+    make_params(method, params, preset)
+    wanted = load_focus(points)
+    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, None)
+    shot = View(loaded, camera, lens)
+    names = []
+    with progress_line() as tell, atomic_folder(output) as temporary:
+        for frame in range(first, end):
+            tell("frames", frame - first, end - first)
+            view = shot.with_lens(focus_lens(wanted, shot, frame))
+            names.append(f"{frame:05d}.{file_format}")
+            save_image(temporary / names[-1], render_view(method, view, preset=preset, **params).image)
+    print(json.dumps({"output": str(output), "files": names}) if as_json else f"output={output}, frames={len(names)}")
+
+
+def _frames(text: str) -> tuple[int, int]:
+    first, _, end = text.partition(":")
+    if not all(word.isdecimal() and len(word) < 7 for word in (first, end)) or not int(first) < int(end):
+        raise InputError(f"frames: got {text!r}; allowed is A:B, whole numbers with A below B")
+    if int(end) - int(first) > _MOST_FRAMES:
+        raise InputError(f"frames: got {int(end) - int(first)} of them; allowed are at most {_MOST_FRAMES}")
+    return int(first), int(end)
