@@ -10,7 +10,7 @@ from refdof._check import InputError
 from refdof.focus.focus_file import load_focus, point_text
 from refdof.focus.focus_lens import focus_lens
 from refdof.focus.point import pick as pick_point
-from refdof.image.atomic import atomic_folder, check_folder
+from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.image.file import save_image
 from refdof.options import (
     AsJson,
@@ -84,7 +84,7 @@ def focus(
     if file_format not in _FORMATS:
         raise InputError(f"format: got {file_format!r}; allowed are {', '.join(_FORMATS)}")
     first, end = _frames(frames)
-    check_folder(output, "output")
+    check_own_folder(output, _is_frame, "output")
     params = settings_of(settings or [])
     make_params(method, params, preset)
     wanted = load_focus(points)
@@ -98,6 +98,11 @@ def focus(
             names.append(f"{frame:05d}.{file_format}")
             save_image(temporary / names[-1], render_view(method, view, preset=preset, **params).image)
     print(json.dumps({"output": str(output), "files": names}) if as_json else f"output={output}, frames={len(names)}")
+
+
+def _is_frame(name: str) -> bool:
+    number, _, kind = name.partition(".")
+    return number.isdecimal() and kind in _FORMATS
 
 
 def _frames(text: str) -> tuple[int, int]:

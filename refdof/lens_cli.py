@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from refdof._check import InputError, as_number
-from refdof.image.atomic import atomic_folder, check_folder
+from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.optics.systems.data_sheet import FILM, DataSheet, data_sheet, focused
 from refdof.optics.systems.prescription import LENSES, load_lens
 from refdof.options import AsJson, Threads, set_threads
@@ -41,7 +41,7 @@ def lens(
     set_threads(threads)
     distance = 1000.0 * as_number("focus", focus, above=0.0, finite=False)
     if out is not None:
-        _check_out(out)
+        check_own_folder(out, DRAWINGS.__contains__)
     system = load_lens(file)
     try:
         system = focused(system, distance)
@@ -54,14 +54,6 @@ def lens(
         with atomic_folder(out) as temporary:
             draw_lens(system, distance, [temporary / name for name in DRAWINGS])
     print(json.dumps(_plain(asdict(sheet)), indent=2) if as_json else _text(sheet))
-
-
-def _check_out(folder: Path) -> None:
-    check_folder(folder)
-    if folder.is_dir() and any(path.name not in DRAWINGS for path in folder.iterdir()):
-        raise InputError(
-            f"out: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an earlier one"
-        )
 
 
 def _text(sheet: DataSheet) -> str:

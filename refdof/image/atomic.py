@@ -7,13 +7,13 @@ it was.
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from refdof._check import InputError
 
-__all__ = ["atomic_folder", "atomic_path", "check_folder", "write_text"]
+__all__ = ["atomic_folder", "atomic_path", "check_folder", "check_own_folder", "write_text"]
 
 
 @contextmanager
@@ -53,6 +53,16 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
         raise _unwritable(argument, target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_own_folder(folder: Path, own: Callable[[str], bool], argument: str = "out") -> None:
+    """Raise if a folder cannot be written, or holds files other than those whose names are `own`."""
+    check_folder(folder, argument)
+    if folder.is_dir() and not all(own(path.name) for path in folder.iterdir()):
+        raise InputError(
+            f"{argument}: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, "
+            "or an earlier one"
+        )
 
 
 @contextmanager
