@@ -20,6 +20,8 @@ import numpy as np
 import refdof
 from refdof import METHODS, Aperture, Camera, ExpressiveLens, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
+from refdof.focus.focus_lens import Focus, focus_lens
+from refdof.focus.point import FocusPoint, pick
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
@@ -62,6 +64,7 @@ class Door(NamedTuple):
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(3, 2))
 LARGER = CAMERA.with_size((11, 11))  # the window of SSIM
 LENS, PINHOLE = ThinLens(0.25, 3.0), ThinLens(0.0, 3.0)
+POINT = FocusPoint(0, (1.0, 1.0, 1.0), keep=True)
 EXPRESSIVE = ExpressiveLens(0.25, 3.0, 0.5, power=(1.0, 1.1), image_offset=(0.0, 0.1))
 CORNERS = np.array([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 1.0]])
 FACES = np.array([[0, 1, 2]])
@@ -212,6 +215,8 @@ DOORS: dict[str, Door] = {
             "ray_weights": (1.0, 2.0),
             "image_offset": (0.0, 0.1),
             "indices": (1.5, 1.5, 1.5),
+            "focal_surface": ((2.0, 3.0),),
+            "aperture_scale": ((0.5, 1.0),),
             "aperture": Aperture.disc(),
         },
         {"focus_distance": ("focal_length",), "focal_length": ("image_offset",)},
@@ -402,6 +407,28 @@ DOORS: dict[str, Door] = {
     "refdof.scene.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
     "refdof.stages.Stages": Door(refdof.Stages, {"steps": (1, 2), "pixels": ((0, 1),)}),
     "refdof.view.View": Door(View, _SHOT),
+    "refdof.view.View.with_lens": Door(lambda **words: _view().with_lens(**words), {"lens": LENS}),
+    "refdof.focus.point.FocusPoint": Door(
+        FocusPoint,
+        {
+            "triangle": 0,
+            "barycentrics": (0.5, 0.25, 0.25),
+            "offset": 0.1,
+            "aperture": 0.5,
+            "weight": 2.0,
+            "falloff": 3.0,
+            "keep": False,
+            "name": "door",
+        },
+    ),
+    "refdof.focus.point.FocusPoint.value": Door(POINT.value, {"word": "weight", "frame": 3.0}),
+    "refdof.focus.point.pick": Door(
+        pick, {"view": _view(), "pixel": tuple(size // 2 for size in CAMERA.size), "name": "door"}, any_result=True
+    ),
+    "refdof.focus.focus_lens.Focus": Door(Focus, {"points": (POINT,), "kind": "surface", "focal_length": 0.05}),
+    "refdof.focus.focus_lens.focus_lens": Door(
+        focus_lens, {"focus": Focus((POINT,)), "view": _view(), "frame": 0.0}, {"frame": ("points", "triangle")}
+    ),
     "refdof.view.View.layers": Door(lambda **words: _view().layers(**words), {"count": 1}, any_result=True),
     "refdof.view.View.surface_counts": Door(lambda **words: _view().surface_counts(**words), {"extent_px": 0}),
     "refdof.view.View.umbra_layers": Door(
@@ -539,6 +566,7 @@ INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
+    "focus.focus_file", "focus.moving_least_squares", "focus_cli",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
@@ -611,6 +639,13 @@ INNER = {
     "refdof.optics.expressive_lens.ExpressiveLens.largest_circle_px",
     "refdof.optics.expressive_lens.ExpressiveLens.map_of",
     "refdof.optics.lens.ThinLens.as_thin",
+    "refdof.optics.expressive_lens.over_picture",
+    "refdof.focus.point.Placed",
+    "refdof.focus.point.placed",
+    "refdof.focus.focal_plane.FocalPlane",
+    "refdof.focus.focal_plane.FocalPlane.inverse_focus",
+    "refdof.focus.focal_plane.FocalPlane.image_plane",
+    "refdof.focus.focal_plane.focal_plane",
     "refdof.optics.lens.ThinLens.largest_circle_px",
     "refdof.optics.lens.rounded",
 }

@@ -3,8 +3,8 @@ Focus control
 =============
 
 Points say what shall be sharp (Lee, Eisemann and Seidel 2010, section 5). Left: a tilted focal plane through three of
-them, a band of sharpness that makes a town look like a model of itself. Right: a free focal surface. The market stall in
-front and the tower far behind are sharp, and what stands between them is not, which no camera can do.
+them, a band of sharpness that makes a town look like a model of itself. Right: a free focal surface. The market stall
+in front and the tower far behind are sharp, and what stands between them is not, which no camera can do.
 """
 
 from dataclasses import replace

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_bool, as_float, as_instance, as_integer, as_number
+from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_instance, as_integer, as_number, as_pair
 from refdof.view import View
 
 __all__ = ["FocusPoint", "Placed", "pick", "placed"]
@@ -84,7 +84,8 @@ class FocusPoint:
 
     def value(self, word: str, frame: float) -> float:
         """`offset`, `aperture` or `weight` at a frame."""
-        given = getattr(self, word)
+        given = getattr(self, as_choice("word", word, _RANGES))
+        frame = as_number("frame", frame)
         if not isinstance(given, tuple):
             return float(given)
         from scipy.interpolate import PchipInterpolator  # slow to import
@@ -115,6 +116,7 @@ def pick(view: View, pixel: tuple[int, int], name: str = "") -> FocusPoint:
         If the pixel is outside the picture, or shows the background.
     """
     as_instance("view", view, View)
+    pixel = as_pair("pixel", pixel, minimum=0, maximum=1 << 20)
     width, height = view.camera.size
     if not (0 <= pixel[0] < width and 0 <= pixel[1] < height):
         raise InputError(f"pixel: got {pixel[0]},{pixel[1]}; allowed is 0,0 to {width - 1},{height - 1}")
@@ -188,7 +190,7 @@ def _visible(view: View, x: float, y: float, depth: float) -> float:
 
 
 def _number_or_keys(name: str, given: Any, limits: dict[str, Any]) -> Any:
-    if not isinstance(given, list | tuple | np.ndarray) or np.ndim(given) == 0:
+    if not isinstance(given, list | tuple | np.ndarray) or (isinstance(given, np.ndarray) and given.ndim == 0):
         return as_number(name, given, **limits)
     keys = as_float(name, given, (None, 2), dtype=np.float64)
     if not 1 <= len(keys) <= _MOST_KEYS:
