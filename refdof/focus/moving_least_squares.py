@@ -41,10 +41,13 @@ def moving_least_squares(points: Float, values: Float, weight: Float, falloff: F
     share /= share.sum(axis=1, keepdims=True)
     middle, mean = share @ points, share @ values
     offset = points - middle[:, None]  # (M, N, 2)
-    spread = np.einsum("mn,mni,mnj->mij", share, offset, offset)
-    slope = np.einsum("mn,mni,nc->mic", share, offset, values)  # offsets are about the middle: values need not be
-    sizes, axes = np.linalg.eigh(spread)
-    kept = sizes > _FLAT * np.maximum(sizes[:, 1:], 1e-300)
-    inverse = np.where(kept, 1.0 / np.where(kept, sizes, 1.0), 0.0)
-    slope = np.einsum("mij,mj,mkj,mkc->mic", axes, inverse, axes, slope)
-    return mean + np.einsum("mi,mic->mc", np.where(exact, 0.0, places - middle), slope)
+    x, y = offset[..., 0], offset[..., 1]
+    xx, xy, yy = ((share * product).sum(axis=1) for product in (x * x, x * y, y * y))
+    right, down = (share * x) @ values, (share * y) @ values  # offsets are about the middle: values need not be
+    whole, area = xx + yy, xx * yy - xy * xy
+    flat = area <= _FLAT * whole * whole  # points on a line, where the inverse is the matrix over its square size
+    size = np.where(flat, np.maximum(whole * whole, 1e-300), area)
+    first, mixed, last = (np.where(flat, one, other) / size for one, other in ((xx, yy), (xy, -xy), (yy, xx)))
+    across, along = np.where(exact, 0.0, places - middle).T
+    level_x, level_y = first * across + mixed * along, mixed * across + last * along
+    return mean + level_x[:, None] * right + level_y[:, None] * down
