@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from refdof._check import Float
 from refdof.comparison import Comparison, Row
 from refdof.metrics import FLIP_PPD, METRICS
 from refdof.optics.expressive_lens import ExpressiveLens
@@ -131,7 +132,16 @@ def lens_as_json(lens: ThinLens) -> dict[str, Any]:
             "focal_length": plain(lens.focal_length),
             "power": plain(lens.power),
             "ray_weights": plain(lens.ray_weights),
-            "image_offset": plain(lens.image_offset),
+            "image_offset": plain(lens.image_offset)
+            if lens.image_offset.ndim == 1
+            else _over_picture(lens.image_offset),
+            "focal_surface": _over_picture(lens.focal_surface),
+            "aperture_scale": _over_picture(lens.aperture_scale),
             "indices": plain(lens.indices),
         }
     return facts
+
+
+def _over_picture(values: Float) -> dict[str, Any]:
+    """What lies over the picture, in short."""
+    return {"shape": plain(values.shape), "from": plain(values.min()), "to": plain(values.max())}

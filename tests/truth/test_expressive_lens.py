@@ -9,6 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from refdof import Camera, ExpressiveLens, InputError, ThinLens, metrics, reference, render
 from refdof._jit import thread_count, use_threads
 from refdof.optics.aperture import Aperture
+from refdof.report.rows import lens_as_json
 from tests.flat_scene import rectangle, scene_of
 
 CAMERA = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=20.0, size=(48, 36))
@@ -249,3 +250,11 @@ def test_bad_controls_are_named(words, message):
 def test_a_focal_length_is_below_the_focus_distance():
     with pytest.raises(InputError, match="focal_length: got 3; allowed is less than the focus distance 2"):
         ExpressiveLens(0.1, 2.0, 3.0)
+
+
+def test_a_table_says_what_the_lens_is():
+    facts = lens_as_json(lens_of(**ALL, focal_surface=np.full((36, 48), math.inf)))["expressive"]
+    assert facts["power"] == list(ALL["power"])
+    assert facts["image_offset"] == list(ALL["image_offset"])
+    assert facts["focal_surface"] == {"shape": [36, 48], "from": "inf", "to": "inf"}
+    assert facts["aperture_scale"] == {"shape": [1, 1], "from": 1.0, "to": 1.0}
