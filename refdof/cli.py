@@ -33,6 +33,7 @@ from refdof.options import (
     AsJson,
     FNumber,
     Focus,
+    FocusPoints,
     Lens,
     MethodSettings,
     Most,
@@ -48,6 +49,7 @@ from refdof.options import (
     Threads,
     Tolerance,
     Wavelengths,
+    lens_of_points,
     listed,
     refuse_ignored,
     sample_counts,
@@ -134,6 +136,7 @@ def render(
     f_number: FNumber = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
     samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
     stages: Annotated[
@@ -160,7 +163,7 @@ def render(
     real = lens_file, f_number, wavelengths, no_vignetting
     with warming_up([(method, preset)] if scene in SCENES else []):
         loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, *real)
-    view = View(loaded, camera, lens)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, focus, lens_file))
     result = render_view(method, view, wanted if stages is not None else False, preset, **params)
     if stages is not None:
         save_stages(method, view, result, stages)
@@ -192,6 +195,7 @@ def export(
     f_number: FNumber = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -206,7 +210,8 @@ def export(
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     real = lens_file, f_number, wavelengths, no_vignetting
-    view = View(*scene_camera_lens(scene, size, lens_radius, focus, *real))
+    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, *real)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, focus, lens_file))
     export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else _words(facts))
@@ -234,6 +239,7 @@ def compare(
     f_number: FNumber = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
     seed: Seed = 0,
     samples: Samples = None,
     tolerance: Tolerance = None,
@@ -256,6 +262,7 @@ def compare(
         for name in scenes or [DEFAULT_SCENE]:
             with warming_up(soon if name in SCENES and not comparisons else []):
                 scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, *real)
+            lens = lens_of_points(focus_points, scene, camera, lens, focus, lens_file)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)

@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from refdof._check import InputError, as_integer, as_pair
 from refdof._jit import use_threads
+from refdof.focus.focus_file import load_focus
+from refdof.focus.focus_lens import focus_lens
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -19,12 +22,14 @@ from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
+from refdof.view import View
 
 __all__ = [
     "PRESET_HELP",
     "AsJson",
     "FNumber",
     "Focus",
+    "FocusPoints",
     "Lens",
     "MethodSettings",
     "Most",
@@ -40,6 +45,7 @@ __all__ = [
     "Threads",
     "Tolerance",
     "Wavelengths",
+    "lens_of_points",
     "listed",
     "pixel_of",
     "refuse_ignored",
@@ -81,6 +87,10 @@ Wavelengths = Annotated[
 ]
 NoVignetting = Annotated[
     bool | None, typer.Option("--no-vignetting", help="Let nothing but its stop block light in the --lens.")
+]
+FocusPoints = Annotated[
+    Path | None,
+    typer.Option("--focus-points", metavar="FILE", help="A focus.toml, whose points the lens follows: `refdof pick`."),
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 _SAMPLES = 256
@@ -211,6 +221,17 @@ def scene_camera_lens(
         names = str(error).replace("f_number:", "f-number:", 1).replace("focus_distance:", "focus:", 1)
         raise InputError(names) from None
     return scene, real.seen_by(camera), real
+
+
+def lens_of_points(
+    points: Path | None, scene: Scene, camera: Camera, lens: ThinLens, focus: float | None, lens_file: str | None
+) -> ThinLens:
+    """The lens that follows the focus points of a file; the lens itself without one. It calls kernels."""
+    if points is None:
+        return lens
+    refuse_ignored("with --focus-points, which set it", "without them", focus=focus)
+    refuse_ignored("with --focus-points, which need a thin lens", "without them", lens=lens_file)
+    return focus_lens(load_focus(points), View(scene, camera, lens))
 
 
 def listed(text: str) -> list[str]:

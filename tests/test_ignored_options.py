@@ -28,6 +28,12 @@ REFUSED = [
     *((words, option, value, "without --lens")
       for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
       for option, value in (("f-number", "2"), ("wavelengths", "7"), ("no-vignetting", None))),
+    *(([*words, "--focus-points", "x.toml"], option, value, why) for words in (
+        RENDER, ["export", "fence", "--methods", "mipmap", "--out", "a"], ["compare", "fence", "--out", "a"]
+    ) for option, value, why in (
+        ("focus", "3", "with --focus-points, which set it"),
+        ("lens", "biconvex", "with --focus-points, which need a thin lens"),
+    )),
     (["compare", "fence"], "max-samples", "64", "without --tolerance"),
     (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
@@ -52,15 +58,17 @@ TWICE = [
 HEEDED = {
     "scenes": "json",
     "methods": "json",
-    "render": "method output set preset size lens-radius focus lens seed samples stages threads json",
-    "export": "out methods set layers size lens-radius focus lens threads json",
-    "compare": "methods out set preset size lens-radius focus lens seed tolerance threads json",
+    "render": "method output set preset size lens-radius focus-points seed samples stages threads json",
+    "export": "out methods set layers size lens-radius focus-points threads json",
+    "compare": "methods out set preset size lens-radius focus-points seed tolerance threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",
     "diagnose": "pack results impl shader case json",
     "explain": "pixel stage out threads json",
     "lens": "focus out threads json",
+    "pick": "pixel size name json",
+    "focus": "points method output frames format set preset size lens-radius threads json",
 }
 
 

@@ -68,6 +68,35 @@ def test_a_sequence_has_a_picture_a_frame_and_changes_smoothly(tmp_path, monkeyp
     np.testing.assert_array_equal(frames[5], render("scatter", scene, camera, lens).image)
 
 
+def test_compare_follows_focus_points(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = "".join(run("pick", "cans", "--pixel", pixel, *SMALL).stdout for pixel in ("24,20", "40,30"))
+    (tmp_path / "focus.toml").write_text(text)
+    words = [
+        "--methods",
+        "lensblur,scatter",
+        "--samples",
+        "64",
+        "--out",
+        "here",
+        "--focus-points",
+        "focus.toml",
+        *SMALL,
+    ]
+    assert run("compare", "cans", *words).exit_code == 0
+    table = json.loads((tmp_path / "here" / "table.json").read_text())
+    assert table["lens"]["expressive"]["focal_surface"]["shape"] == [36, 48]
+    scene = load_scene("cans")
+    camera = scene.camera.with_size((48, 36))
+    lens = focus_lens(load_focus("focus.toml"), View(scene, camera, scene.lens))
+    np.testing.assert_array_equal(
+        load_image(tmp_path / "here" / "scatter.npy"), render("scatter", scene, camera, lens).image
+    )
+    out = ["-o", "a.npy", "--focus-points", "focus.toml", *SMALL]
+    assert run("render", "cans", "--method", "scatter", *out).exit_code == 0
+    np.testing.assert_array_equal(load_image("a.npy"), load_image(tmp_path / "here" / "scatter.npy"))
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
