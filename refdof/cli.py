@@ -10,8 +10,6 @@ import gc
 import json
 import shlex
 import sys
-import textwrap
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,9 +24,10 @@ from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
 from refdof.image.atomic import check_folder
 from refdof.image.file import SUFFIXES, save_image
+from refdof.listing_cli import add_listing, in_words
 from refdof.methods import METHODS
-from refdof.methods._contract import facts_of
 from refdof.options import (
+    DEFAULT_SCENE,
     PRESET_HELP,
     AsJson,
     FNumber,
@@ -62,8 +61,7 @@ from refdof.options import (
 from refdof.progress import progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
-from refdof.report.rows import plain
-from refdof.scene.builtin import SCENES, shot_of
+from refdof.scene.builtin import SCENES
 from refdof.truth.forecast import Forecast
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
@@ -71,7 +69,6 @@ from refdof.warm import warm as compile_jobs
 
 __all__ = ["app", "main"]
 
-DEFAULT_SCENE = "fence"
 _INTERRUPTED = 130  # what a shell reports after Ctrl-C
 _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command line, whichever click typer brings
 
@@ -86,40 +83,7 @@ app = typer.Typer(
 )
 
 
-@app.command()
-def scenes(as_json: AsJson = False) -> None:
-    """List the built-in scenes and what each one shows."""
-    shots = {name: shot_of(name) for name in SCENES}
-    rows = [{"scene": n, "title": s.title, "shows": s.shows, "inspired_by": s.inspired_by} for n, s in shots.items()]
-    if as_json:
-        print(json.dumps(rows, indent=2))
-    else:
-        _print_columns([[row["scene"], row["shows"]] for row in rows])
-
-
-@app.command()
-def methods(as_json: AsJson = False) -> None:
-    """List the methods: source, inputs, texture reads per pixel, parameters, and those that the paper sets differently.
-
-    Texture reads are counted for the image size of the default scene.
-    """
-    rows, texts = [], []
-    size = shot_of(DEFAULT_SCENE).camera.size
-    for name, module in METHODS.items():
-        method, title = module.METHOD, _title(module)
-        rows.append({"method": name, "title": title, **facts_of(method, *size)})
-        reads = method.reads_in_words(*size)
-        about = [f"{title} {method.origin}.", f"Needs {', '.join(method.inputs)}; {reads}.", _words(method.defaults())]
-        if method.paper:
-            about.append(f"paper: {_words(method.paper)}")
-        texts.append((name, about))
-    if as_json:
-        print(json.dumps(plain(rows), indent=2))
-        return
-    for name, about in texts:
-        print(name)
-        for line in about:
-            print(textwrap.fill(line, 100, initial_indent="    ", subsequent_indent="        "))
+add_listing(app)
 
 
 @app.command()
@@ -173,7 +137,7 @@ def render(
         **({} if stages is None else {"stages": str(stages)}),
         **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()},
     }
-    print(json.dumps(facts) if as_json else _words(facts))
+    print(json.dumps(facts) if as_json else in_words(facts))
 
 
 @app.command()
@@ -214,7 +178,7 @@ def export(
     view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, focus, lens_file))
     export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
-    print(json.dumps(facts) if as_json else _words(facts))
+    print(json.dumps(facts) if as_json else in_words(facts))
 
 
 @app.command()
@@ -305,20 +269,6 @@ def _fail(message: str, status: int) -> None:
 
 def _announce(forecast: Forecast) -> None:
     print(f"refdof: reference: {forecast}", file=sys.stderr)
-
-
-def _title(module: Any) -> str:
-    return str(module.__doc__).split("\n", 1)[0]
-
-
-def _words(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{key}={value}" for key, value in values.items())
-
-
-def _print_columns(rows: list[list[str]]) -> None:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
 
 
 if __name__ == "__main__":

@@ -24,7 +24,10 @@ from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 
+DEFAULT_SCENE = "fence"
+
 __all__ = [
+    "DEFAULT_SCENE",
     "PRESET_HELP",
     "AsJson",
     "FNumber",

@@ -566,7 +566,7 @@ INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
-    "focus.focus_file", "focus.moving_least_squares", "focus_cli",
+    "focus.focus_file", "focus.moving_least_squares", "focus_cli", "listing_cli",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
