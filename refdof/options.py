@@ -24,8 +24,6 @@ from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 
-DEFAULT_SCENE = "fence"
-
 __all__ = [
     "DEFAULT_SCENE",
     "PRESET_HELP",
@@ -60,6 +58,7 @@ __all__ = [
     "stages_of",
 ]
 
+DEFAULT_SCENE = "fence"
 Size = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
 ]
