@@ -41,6 +41,7 @@ __all__ = ["ExpressiveLens"]
 
 _GRID = 64  # points a side of the unit square over which the aperture is averaged
 _MOST = 64  # values of a spline
+_LEAST_LENGTH = 1e-30  # [scene units]: powers of shorter ones leave float32
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -55,7 +56,7 @@ class ExpressiveLens(ThinLens):
     radius, focus_distance, aperture
         As of `ThinLens`.
     focal_length : float
-        [scene units], below the focus distance.
+        [scene units], at least 1e-30 and below the focus distance.
     power : sequence of 2 to 64 floats
         Refractive power over that of the nominal lens, > 0, at equal steps from the middle of the lens to its rim.
     ray_weights : sequence of 2 to 64 floats
@@ -104,7 +105,7 @@ class ExpressiveLens(ThinLens):
         aperture: Aperture | None = None,
     ) -> None:
         super().__init__(radius, focus_distance, Aperture.disc() if aperture is None else aperture)
-        focal_length = as_number("focal_length", focal_length, above=0.0)
+        focal_length = as_number("focal_length", focal_length, minimum=_LEAST_LENGTH)
         if not self.focus_distance > focal_length:
             raise InputError(
                 f"focal_length: got {focal_length:g}; allowed is less than the focus distance {self.focus_distance:g}"

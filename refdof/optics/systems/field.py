@@ -74,9 +74,11 @@ def chief_slopes(system: LensSystem, heights: Float, sensor: float, wavelength_u
     NaN where there is none.
     """
     origins = _on_film(heights, sensor)
+    table = part_of(table_of(system, wavelength_um, rims=False), slice(system.stop, None))
+    open_table = table._replace(rim=np.full_like(table.rim, np.inf))
 
     def height_at_stop(slope: Float) -> Float:
-        found = _without_rims(system, origins, _towards_scene(slope), wavelength_um, first=system.stop, reverse=True)
+        found = traced(open_table, True, np.ascontiguousarray(origins), _towards_scene(slope))  # a stop may be tiny
         return np.where(found.passed, found.origins[:, 1], np.nan)
 
     # Newton's method on the slope at the film, from the paraxial chief ray.
@@ -101,10 +103,10 @@ def _towards_scene(slope: Float) -> Float:
 
 
 def _without_rims(
-    system: LensSystem, origins: Float, ways: Float, wavelength_um: float, *, first: int = 0, reverse: bool = False
+    system: LensSystem, origins: Float, ways: Float, wavelength_um: float, *, reverse: bool = False
 ) -> Traced:
-    """Rays (N, 3) through the surfaces from `first` on, blocked by no rim but the stop's."""
-    table = part_of(table_of(system, wavelength_um, rims=False), slice(first, None))
+    """Rays (N, 3) through the surfaces, blocked by no rim but the stop's."""
+    table = table_of(system, wavelength_um, rims=False)
     return traced(table, reverse, np.ascontiguousarray(origins), np.ascontiguousarray(ways))
 
 
@@ -132,6 +134,9 @@ def _light(system: LensSystem, film: Float, wavelength_um: float) -> tuple[float
     # The last surface, as the film point sees it in the plane: a ray may meet its rim beside its vertex.
     scale, reach = (film[2] - plane) / (film[2] - last), 1.5 * system.surfaces[-1].semi_diameter
     low, high = film[:2] + scale * (-reach - film[:2]), film[:2] + scale * (reach - film[:2])
+    half, chief = _pupil_about(system, film, plane, wavelength_um)
+    if half < 0.1 * scale * reach and math.isfinite(chief):  # a stop that may be smaller than a cell
+        low, high = np.array([-half, chief - half]), np.array([half, chief + half])
     for count in (_COARSE, _FINE):
         points, cell = _grid(low, high, count)
         ways = np.column_stack([points, np.full(len(points), plane)]) - film
@@ -142,6 +147,14 @@ def _light(system: LensSystem, film: Float, wavelength_um: float) -> tuple[float
     square = (ways[passed] ** 2).sum(axis=1)
     width, height = high - low - cell
     return float((ways[0, 2] ** 2 / square**2).sum() * cell.prod()), float(height / width)
+
+
+def _pupil_about(system: LensSystem, film: Float, plane: float, wavelength_um: float) -> tuple[float, float]:
+    """One and a half times the pupil's paraxial radius in a plane, and where there the ray to the stop's centre is."""
+    pupil, depth = exit_pupil(system, wavelength_um), film[2] - plane
+    half = 1.5 * pupil.radius * abs(depth / (film[2] - pupil.z)) if pupil.z != film[2] else math.inf
+    slope = float(chief_slopes(system, film[1:2], float(film[2]), wavelength_um)[0])
+    return half, float(film[1] + depth * slope)
 
 
 def _grid(low: Float, high: Float, count: int) -> tuple[Float, Float]:

@@ -3,7 +3,7 @@
 Rays drawn through the whole last surface are mostly lost at a stop that is closed. Here a box of the plane z = last
 vertex is found for every distance of the sensor point from the axis, [1]:
 
-1. on a grid over the last surface, and one over the stop's paraxial image, bound the rays that pass   `_bound`
+1. on a grid over the last surface, and one around the ray to the stop's centre, bound the rays that pass   `_bound`
 2. repeat with a grid on that box, twice, so that a cell of the grid and thus the box's margin is small
 3. a point between two distances has a box between their boxes                                         `bounds_at`
 
@@ -97,8 +97,8 @@ def pupil_bounds(
     stop, radii = exit_pupil(system, wavelength_um), np.linspace(0.0, reach, intervals + 1)
     scale = (sensor - last) / (sensor - stop.z) if stop.z != sensor else math.inf
     half = np.full(len(radii), 1.5 * stop.radius * abs(scale))
+    centre = radii + (sensor - last) * chief_slopes(system, radii, sensor, wavelength_um)
     if not rims and 0.0 < half[0] < math.inf:
-        centre = radii + (sensor - last) * chief_slopes(system, radii, sensor, wavelength_um)
         boxes = np.stack([centre - half, centre + half, half], axis=1)
         for count in _GRIDS:
             boxes = _bounded(table, last, sensor, radii, boxes, count)
@@ -108,8 +108,8 @@ def pupil_bounds(
     wide = surface.semi_diameter if rims else min(abs(surface.radius), 4.0 * surface.semi_diameter)
     wide += abs(surface.sag(wide)) * (reach + wide) / (sensor - last)
     boxes = _bounded(table, last, sensor, radii, np.tile([-wide, wide, wide], (len(radii), 1)), _GRIDS[0])
-    if stop.z < sensor:  # it may be smaller than a cell
-        centre = radii * (1.0 - scale)
+    if stop.z < sensor:  # it may be smaller than a cell, and far from its paraxial image
+        centre = np.where(np.isfinite(centre), centre, radii * (1.0 - scale))
         image = np.stack([centre - half, centre + half, half], axis=1)
         boxes = joined_boxes(boxes, _bounded(table, last, sensor, radii, image, _GRIDS[0]))
     for count in _GRIDS[1:]:

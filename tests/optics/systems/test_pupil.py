@@ -12,6 +12,7 @@ import pytest
 from refdof._check import InputError
 from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import exit_pupil, sensor_for, stopped_down
+from refdof.optics.systems.prescription import LENSES, load_lens
 from refdof.optics.systems.pupil import bounds_at, pupil_bounds
 from refdof.optics.systems.trace import trace
 from tests.optics.systems.lenses import double_gauss, singlet
@@ -101,6 +102,19 @@ def test_a_pinhole_is_found():
     bounds = pupil_bounds(system, 10.0, sensor=SENSOR, intervals=4)
     assert (bounds.boxes[:, 1] > bounds.boxes[:, 0]).all()
     assert bounds.boxes[0, 1] < 0.05
+
+
+@pytest.mark.parametrize("name", LENSES)
+def test_tiny_stops_are_found_all_over_the_film(name):
+    """Smaller than a cell of any grid over the last surface, and off the axis far from their paraxial image."""
+    system = load_lens(name)
+    sensor = sensor_for(system, math.inf)
+    wide = pupil_bounds(stopped_down(system, 100.0), 21.6, sensor=sensor).boxes
+    for f_stop in (1e3, 1e4):
+        small = pupil_bounds(stopped_down(system, f_stop), 21.6, sensor=sensor).boxes
+        # The pupil is as large as the stop: 10 and 100 times smaller, but for a cell of its grid and its aberrations.
+        np.testing.assert_allclose(np.diff(small[:, :2]) * f_stop, 100.0 * np.diff(wide[:, :2]), rtol=0.05)
+        np.testing.assert_allclose(small[:, 2] * f_stop, 100.0 * wide[:, 2], rtol=0.05)
 
 
 def test_where_no_light_comes_the_box_is_empty():
