@@ -87,11 +87,11 @@ def focus(
     check_own_folder(output, _is_frame, "output")
     params = settings_of(settings or [])
     make_params(method, params, preset)
-    wanted = load_focus(points)
+    wanted = load_focus(points, "points")
     loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, None)
     shot = View(loaded, camera, lens)
     names = []
-    with progress_line() as tell, atomic_folder(output) as temporary:
+    with progress_line() as tell, atomic_folder(output, "output") as temporary:
         for frame in range(first, end):
             tell("frames", frame - first, end - first)
             view = shot.with_lens(focus_lens(wanted, shot, frame))

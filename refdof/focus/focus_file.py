@@ -31,8 +31,8 @@ _NEEDED = ("triangle", "barycentrics")
 _OPTIONAL = tuple(field.name for field in fields(FocusPoint) if field.name not in _NEEDED)
 
 
-def load_focus(path: str | Path) -> Focus:
-    """Read a focus.toml.
+def load_focus(path: str | Path, argument: str = "focus-points") -> Focus:
+    """Read a focus.toml; `argument` is what errors call its path.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def load_focus(path: str | Path) -> Focus:
     """
     file = Path(path)
     if not file.is_file():
-        raise InputError(f"focus-points: got {str(path)!r}; allowed is a file")
+        raise InputError(f"{argument}: got {str(path)!r}; allowed is a file")
     if file.stat().st_size > _MOST_BYTES:
         raise InputError(f"{file.name}: has {file.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
     try:
@@ -49,7 +49,7 @@ def load_focus(path: str | Path) -> Focus:
     except UnicodeDecodeError:
         raise InputError(f"{file.name}: is no text in UTF-8; allowed is a TOML file of focus points") from None
     except OSError as error:
-        raise InputError(f"focus-points: got {str(path)!r}: {error.strerror}; allowed is a file") from None
+        raise InputError(f"{argument}: got {str(path)!r}: {error.strerror}; allowed is a file") from None
     return parse_focus(file.name, text)
 
 

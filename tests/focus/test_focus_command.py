@@ -103,7 +103,7 @@ def test_compare_follows_focus_points(tmp_path, monkeypatch):
         (["--frames", "3:3"], "frames: got '3:3'; allowed is A:B, whole numbers with A below B"),
         (["--frames", "a"], "frames: got 'a'"),
         (["--format", "gif"], "format: got 'gif'; allowed are png, exr, npy"),
-        (["--points", "none.toml"], "focus-points: got 'none.toml'"),
+        (["--points", "none.toml"], "points: got 'none.toml'"),
         (["--method", "lensblurr"], "method: got 'lensblurr'"),
     ],
 )
