@@ -13,6 +13,7 @@ from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.optics.systems.data_sheet import FILM, DataSheet, data_sheet, focused
 from refdof.optics.systems.prescription import LENSES, load_lens
 from refdof.options import AsJson, Threads, set_threads
+from refdof.report.text import one_line
 
 __all__ = ["add_lens"]
 
@@ -60,8 +61,8 @@ def _text(sheet: DataSheet) -> str:
     """A table of the lens, and one of the field."""
     width, height = FILM
     rows = [
-        ("lens", sheet.name),
-        ("source", " ".join(sheet.source.split())),
+        ("lens", one_line(sheet.name)),
+        ("source", one_line(sheet.source)),
         ("focal length", f"{sheet.focal_length:.3f} mm"),
         ("f-number", f"{sheet.f_number:.3f}"),
         ("T-stop", f"{sheet.t_stop:.3f} (uncoated glass, absorption not counted)"),

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import re
 import sys
 
 import pytest
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 
 from refdof.cli import app, main
 from refdof.lens_cli import DRAWINGS
+from refdof.optics.systems.lens_toml import lens_text
 from refdof.optics.systems.prescription import LENSES, load_lens, save_lens
 
 
@@ -110,3 +112,11 @@ def test_every_lens_of_data_has_light_on_its_axis_and_less_in_the_corner():
         assert 0.1 < field[-1]["light"] < 1.0, name
         assert all(abs(row["distortion"]) < 0.05 for row in field), name
         assert not any(math.isnan(row["cat_eye"]) for row in field), name
+
+
+def test_control_characters_of_a_name_reach_neither_terminal_nor_drawing(tmp_path):
+    text = lens_text(load_lens("biconvex"))
+    file = tmp_path / "odd.toml"
+    file.write_text(re.sub('name = ".*"', r'name = "a\\nb\\u001b[31m"', text))
+    done = CliRunner().invoke(app, ["lens", str(file), "--out", str(tmp_path / "out")], catch_exceptions=False)
+    assert done.stdout.splitlines()[0].split(maxsplit=1)[1] == "a b [31m"  # and no warning of a missing glyph

@@ -17,12 +17,13 @@ from refdof._check import Float, InputError, as_choice, as_instance, as_number
 from refdof.oracle.expectation import Expectation, Part, expectation_of, words_of
 from refdof.oracle.files import FileFault, Pack, open_pack
 from refdof.oracle.isolation import causes_of, follow
-from refdof.oracle.outcomes import ERROR, NOT_SUPPORTED, STATUSES, Outcome, Report, one_line, sentence
+from refdof.oracle.outcomes import ERROR, NOT_SUPPORTED, STATUSES, Outcome, Report, sentence
 from refdof.oracle.selection import Plan, select
 from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import NotSupported, Source, of_command, of_folder, of_function
 from refdof.oracle.verdict import FAIL, PASS, WAIVED, Finding, judge
 from refdof.oracle.waivers import complaints
+from refdof.report.text import one_line
 
 __all__ = [
     "ERROR", "NOT_SUPPORTED", "STATUSES", "TIMEOUT_S", "Outcome", "Report", "Show", "check", "check_command",

@@ -7,12 +7,11 @@ from typing import Any
 from refdof.oracle.isolation import INHERITED, OWN
 from refdof.oracle.verdict import FAIL, PASS, WAIVED, WARNING, Finding
 
-__all__ = ["ERROR", "NOT_SUPPORTED", "REPORT_SCHEMA", "STATUSES", "Outcome", "Report", "one_line", "sentence"]
+__all__ = ["ERROR", "NOT_SUPPORTED", "REPORT_SCHEMA", "STATUSES", "Outcome", "Report", "sentence"]
 
 NOT_SUPPORTED, ERROR = "not supported", "error"
 STATUSES = (PASS, WARNING, WAIVED, FAIL, NOT_SUPPORTED, ERROR)
 REPORT_SCHEMA = "refdof-check-1"
-_LONGEST_LINE = 600
 
 
 @dataclass(frozen=True)
@@ -94,12 +93,6 @@ def sentence(findings: Mapping[str, Finding], causes: Mapping[str, str]) -> str:
     more = f"; inherited by {', '.join(heirs)}" if heirs else ""
     more += f"; also off: {', '.join(others)}" if others else ""
     return f"{first}: {findings[first].words()}{more}"
-
-
-def one_line(text: str) -> str:
-    """Text of others, as it may stand in a terminal or a page: one line without control characters, not too long."""
-    line = "".join(letter if letter.isprintable() else " " for letter in text[: 2 * _LONGEST_LINE])
-    return " ".join(line.split())[:_LONGEST_LINE]
 
 
 def _case_as_json(outcome: Outcome) -> dict[str, Any]:

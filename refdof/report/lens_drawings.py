@@ -19,6 +19,7 @@ from refdof.optics.systems.glass import LINE_D
 from refdof.optics.systems.paraxial import entrance_pupil
 from refdof.optics.systems.system import LensSystem, Surface
 from refdof.optics.systems.trace import trace, trace_path
+from refdof.report.text import one_line
 
 __all__ = ["draw_lens"]
 
@@ -77,7 +78,7 @@ def _cross_section(system: LensSystem, distance: float) -> Figure:
     axes.set_ylim(-top, top)
     axes.set_xlabel("z [mm]")
     axes.set_ylabel("y [mm]")
-    axes.set_title(f"{system.name}, focused at {_words(distance)}", fontsize=11)
+    axes.set_title(f"{one_line(system.name)}, focused at {_words(distance)}", fontsize=11)
     axes.legend(loc="upper left", fontsize=8, framealpha=0.9)
     return figure
 
@@ -139,7 +140,7 @@ def _spots(system: LensSystem, distance: float) -> Figure:
     """Where the rays of a point meet the film, for film heights and three wavelengths."""
     figure = Figure(figsize=(11.0, 3.6), dpi=_DPI)
     figure.subplots_adjust(0.06, 0.12, 0.99, 0.79, wspace=0.3)
-    figure.suptitle(f"{system.name}, focused at {_words(distance)}: spots", fontsize=11)
+    figure.suptitle(f"{one_line(system.name)}, focused at {_words(distance)}: spots", fontsize=11)
     for axes, height in zip(figure.subplots(1, len(HEIGHTS)), HEIGHTS, strict=True):
         points = {name: 1000.0 * spot(system, height, distance, um) for name, um in RGB_UM.items()}
         everything = np.concatenate(list(points.values()))
@@ -164,7 +165,7 @@ def _spots(system: LensSystem, distance: float) -> Figure:
 
 def _longitudinal(system: LensSystem, distance: float) -> Figure:
     """Where rays of the axis cross it, by their height in the pupil, for three wavelengths."""
-    figure, axes = _plot(f"{system.name}, focused at {_words(distance)}:\nlongitudinal aberration")
+    figure, axes = _plot(f"{one_line(system.name)}, focused at {_words(distance)}:\nlongitudinal aberration")
     fractions = np.linspace(0.01, 1.0, 100)
     for name, um in RGB_UM.items():
         where = longitudinal_aberration(system, fractions, distance, um)
@@ -177,7 +178,7 @@ def _longitudinal(system: LensSystem, distance: float) -> Figure:
 
 def _field_curvature(system: LensSystem, distance: float) -> Figure:
     """Where narrow bundles are sharp, by film height: rays beside the chief ray, and above and below it."""
-    figure, axes = _plot(f"{system.name}, focused at {_words(distance)}:\nfield curvature")
+    figure, axes = _plot(f"{one_line(system.name)}, focused at {_words(distance)}:\nfield curvature")
     heights = np.linspace(0.0, HEIGHTS[-1], 50)
     sagittal, tangential = focal_surfaces(system, heights, distance)
     axes.plot(sagittal, heights, color=_COLORS["blue"], label="sagittal")

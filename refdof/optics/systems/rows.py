@@ -13,6 +13,8 @@ from refdof.optics.systems.system import LensSystem, Surface
 __all__ = ["MOST_SURFACES", "Material", "Row", "check_count", "glass_from", "system_from"]
 
 MOST_SURFACES = 100  # of a file, as of a `LensSystem`
+_LEAST_ABBE = 2.0  # below, indices of the formula come down to 1 within 0.3 to 2.5 um; glasses have 15 to 100
+_FARTHEST = 1e5  # [mm] behind the last surface
 _FLAT = 1e12  # [mm] from which a radius is that of a flat surface: over a metre it bends by less than a nanometre
 
 Material: TypeAlias = str | float | tuple[float, float]
@@ -47,7 +49,7 @@ def glass_from(material: Material) -> Glass:
         return AIR
     if math.isinf(v_d):
         return Glass(f"{n_d:g}", n_d)
-    return Glass(f"[{n_d:g}, {v_d:g}]", n_d, as_number("glass: V_d", v_d, above=0.0))
+    return Glass(f"[{n_d:g}, {v_d:g}]", n_d, as_number("glass: V_d", v_d, minimum=_LEAST_ABBE))
 
 
 def system_from(file: str, name: str, source: str, rows: Sequence[Row]) -> LensSystem:
@@ -78,6 +80,8 @@ def system_from(file: str, name: str, source: str, rows: Sequence[Row]) -> LensS
 def _surface(row: Row) -> Surface:
     diameter = as_number("diameter of the stop" if row.is_stop else "diameter", row.diameter, above=0.0)
     radius = row.radius if 0.0 < abs(row.radius) < _FLAT else math.inf
+    if diameter > 2.0 * abs(radius):
+        raise InputError(f"diameter: got {diameter:g}; allowed is at most that of the sphere, {2.0 * abs(radius):g}")
     return Surface(radius, row.thickness, glass_from(row.material), 0.5 * diameter, row.is_stop)
 
 
@@ -91,4 +95,9 @@ def _focused(system: LensSystem) -> LensSystem:
         return system
     if not (math.isfinite(distance) and distance > 0.0):
         return system
+    if distance > _FARTHEST:
+        raise InputError(
+            f"thickness of the last surface: got 0 for a lens that is sharp {distance:g} mm behind it; "
+            f"allowed is one that is so within {_FARTHEST:g} mm"
+        )
     return replace(system, surfaces=(*system.surfaces[:-1], replace(last, thickness=distance)))

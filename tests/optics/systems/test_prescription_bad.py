@@ -43,6 +43,7 @@ FAULTS = [
     (".toml", "glass = [1.67, 47.1]", 'glass = "N-BK8"', "surface 1: glass: got 'N-BK8'; did you mean 'N-BK7'"),
     (".toml", "glass = [1.67, 47.1]", "glass = 0.9", "surface 1: glass: n_d: got 0.9"),
     (".toml", "glass = [1.67, 47.1]", "glass = [1.67, 0]", "surface 1: glass: V_d: got 0"),
+    (".toml", "glass = [1.67, 47.1]", "glass = [1.67, 1e-9]", "surface 1: glass: V_d: got 1e-09; allowed is a finite"),
     (".toml", "glass = [1.67, 47.1]", "glass = [1.67]", "surface 1: glass: got a list; allowed is a name, an index or"),
     (".toml", "glass = [1.67, 47.1]\n", "", "surface 1: glass: missing; needed are radius, thickness, glass, diameter"),
     (".toml", r"re:glass = \[.*\]", "glass = 'air'", "lens.toml: got no glass; allowed is a lens with one"),
@@ -51,7 +52,7 @@ FAULTS = [
     (".zmx", "n-bk7 0 0 1.5 40.0 0 0 0 0 0 0", "", "SURF 4: GLAS: got no name"),
     # Surfaces.
     (".toml", "thickness = 5.705", "thickness = 0.5", "surface 5 cuts surface 6"),
-    (".toml", "diameter = 18.0", "diameter = 26.0", "surface 5: semi_diameter: got 13; allowed is at most the surface"),
+    (".toml", "diameter = 18.0", "diameter = 26.0", "surface 5: diameter: got 26; allowed is at most that of the sph"),
     (".toml", "stop = true\n", "", "surfaces: got 0 stops; allowed is exactly one"),
     (".toml", "diameter = 25.2\n", "diameter = 25.2\nstop = true\n", "surfaces: got 3 stops"),
     (".dat", "40.77", "0", "line 6: index: got 1.699 at radius 0, which is the stop"),
@@ -103,6 +104,13 @@ def test_a_fault_is_named(tmp_path, suffix, old, new, says):
     text, count = re.subn(pattern, lambda _: new, GOOD[suffix])
     assert count > 0
     assert says in refusal(tmp_path, suffix, text)
+
+
+def test_a_lens_that_is_sharp_nowhere_near_is_named(tmp_path):
+    text = lens_text(load_lens("biconvex"))
+    text = re.sub(r"thickness = [0-9.]+\nglass = \"air\"", 'thickness = 0.0\nglass = "air"', text)
+    weak = text.replace('glass = "N-BK7"', "glass = 1.0000001")
+    assert "thickness of the last surface: got 0 for a lens that is sharp 2.5" in refusal(tmp_path, ".toml", weak)
 
 
 @pytest.mark.parametrize("suffix", GOOD)
