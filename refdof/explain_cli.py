@@ -11,7 +11,7 @@ import typer
 from refdof._check import InputError
 from refdof.explain import Explanation, csv_of, explain_pictures, explain_view, save_picture, text_of
 from refdof.explain.pictures import Pictures, given_pictures
-from refdof.image.atomic import atomic_folder, check_folder
+from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.methods import METHODS
 from refdof.options import (
     PRESET_HELP,
@@ -82,7 +82,7 @@ def explain(
     set_threads(threads)
     place = pixel_of(pixel)
     if out is not None:
-        _check_out(out)
+        check_own_folder(out, _FILES.__contains__)
     if (Path(case) / "case.json").exists():
         refuse_ignored(
             "with a case, which has its own", "with a scene",
@@ -127,14 +127,6 @@ def _read_case(folder: Path) -> _Case:
     color, depth, coc = (np.ascontiguousarray(image) for image in images)
     params = in_file_order(make_params(method, values), rows)  # pixels are counted as `refdof check` counts them
     return _Case(method, params, given_pictures(color, depth, coc, *lens))
-
-
-def _check_out(folder: Path) -> None:
-    check_folder(folder)
-    if folder.is_dir() and any(path.name not in _FILES for path in folder.iterdir()):
-        raise InputError(
-            f"out: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an earlier one"
-        )
 
 
 def _write(folder: Path, found: Explanation) -> None:

@@ -21,6 +21,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline
+from refdof.image.bilinear import bilinear
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, lens_point
 from refdof.optics.projection import Projection
 
@@ -88,7 +89,4 @@ def _at(picture, x, y):
     height, width = picture.shape
     i, j = min(max(int(x), 0), max(width - 2, 0)), min(max(int(y), 0), max(height - 2, 0))
     right, below = min(i + 1, width - 1), min(j + 1, height - 1)
-    fx, fy = x - i, y - j
-    above = picture[j, i] + fx * (picture[j, right] - picture[j, i])
-    under = picture[below, i] + fx * (picture[below, right] - picture[below, i])
-    return above + fy * (under - above)
+    return bilinear(picture[j, i], picture[j, right], picture[below, i], picture[below, right], x - i, y - j)
