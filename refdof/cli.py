@@ -30,9 +30,11 @@ from refdof.options import (
     DEFAULT_SCENE,
     PRESET_HELP,
     AsJson,
+    Eye,
     FNumber,
     Focus,
     FocusPoints,
+    Fov,
     Lens,
     MethodSettings,
     Most,
@@ -45,14 +47,14 @@ from refdof.options import (
     Settings,
     Size,
     Steps,
+    Target,
     Threads,
     Tolerance,
+    Up,
     Wavelengths,
-    lens_of_points,
     listed,
     refuse_ignored,
     sample_counts,
-    scene_camera_lens,
     set_threads,
     settings_by_method,
     settings_of,
@@ -62,6 +64,7 @@ from refdof.progress import progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, write_comparisons
 from refdof.scene.builtin import SCENES
+from refdof.shot import CameraChoice, LensChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
@@ -94,6 +97,10 @@ def render(
     settings: Settings = None,
     preset: Preset = "best",
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -124,10 +131,11 @@ def render(
     params = settings_of(settings or [], seed=seed, samples=samples)
     make_params(method, params, preset)
     wanted = stages_of(steps, pixel, [method])
-    real = lens_file, f_number, wavelengths, no_vignetting
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
     with warming_up([(method, preset)] if scene in SCENES else []):
-        loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, *real)
-    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, focus, lens_file))
+        loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
     result = render_view(method, view, wanted if stages is not None else False, preset, **params)
     if stages is not None:
         save_stages(method, view, result, stages)
@@ -153,6 +161,10 @@ def export(
     steps: Steps = None,
     pixel: Probes = None,
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -173,9 +185,10 @@ def export(
         as_choice("method", name, METHODS)
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
-    real = lens_file, f_number, wavelengths, no_vignetting
-    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, focus, *real)
-    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, focus, lens_file))
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
     export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else in_words(facts))
@@ -197,6 +210,10 @@ def compare(
     settings: MethodSettings = None,
     preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=PRESET_HELP)] = "best",
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -218,15 +235,17 @@ def compare(
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
     params = settings_by_method(settings or [], names, presets)
-    real, comparisons = (lens_file, f_number, wavelengths, no_vignetting), list[Comparison]()
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    comparisons: list[Comparison] = []
     soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
         soon = []  # compiled in parallel processes, by `compare_scene`
     with progress_line() as tell:
         for name in scenes or [DEFAULT_SCENE]:
             with warming_up(soon if name in SCENES and not comparisons else []):
-                scene, camera, lens = scene_camera_lens(name, size, lens_radius, focus, *real)
-            lens = lens_of_points(focus_points, scene, camera, lens, focus, lens_file)
+                scene, camera, lens = scene_camera_lens(name, seen, chosen)
+            lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
         tell("report", 0, 1)

@@ -16,20 +16,24 @@ from refdof.methods import METHODS
 from refdof.options import (
     PRESET_HELP,
     AsJson,
+    Eye,
     Focus,
+    Fov,
     Radius,
     Settings,
     Size,
+    Target,
     Threads,
+    Up,
     pixel_of,
     refuse_ignored,
-    scene_camera_lens,
     set_threads,
     settings_of,
 )
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
+from refdof.shot import CameraChoice, LensChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_explain"]
@@ -70,6 +74,10 @@ def explain(
         str | None, typer.Option("--preset", metavar="best|paper", help=f"{PRESET_HELP} Default: best.")
     ] = None,
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     threads: Threads = None,
@@ -86,7 +94,8 @@ def explain(
     if (Path(case) / "case.json").exists():
         refuse_ignored(
             "with a case, which has its own", "with a scene",
-            method=method, set=settings, preset=preset, size=size, lens_radius=lens_radius, focus=focus,
+            method=method, set=settings, preset=preset, size=size, eye=eye, target=target, up=up, fov=fov,
+            lens_radius=lens_radius, focus=focus,
         )  # fmt: skip
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
@@ -94,7 +103,8 @@ def explain(
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
-        found = explain_view(method, View(*scene_camera_lens(case, size, lens_radius, focus)), params, place, stage)
+        view = View(*scene_camera_lens(case, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius, focus)))
+        found = explain_view(method, view, params, place, stage)
     if out is not None:
         _write(out, found)
     print(json.dumps(found.as_json()) if as_json else text_of(found))

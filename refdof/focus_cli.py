@@ -14,18 +14,22 @@ from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.image.file import save_image
 from refdof.options import (
     AsJson,
+    Eye,
+    Fov,
     Preset,
     Radius,
     Settings,
     Size,
+    Target,
     Threads,
+    Up,
     pixel_of,
-    scene_camera_lens,
     set_threads,
     settings_of,
 )
 from refdof.progress import progress_line
 from refdof.rendering import make_params, render_view
+from refdof.shot import CameraChoice, LensChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_focus"]
@@ -46,11 +50,15 @@ def pick(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
     pixel: Annotated[str, typer.Option("--pixel", metavar="X,Y", help="Column and row, from the upper left.")],
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Print the focus point under a pixel, ready for a focus.toml."""
-    view = View(*scene_camera_lens(scene, size, None, None))
+    view = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov)))
     point = pick_point(view, pixel_of(pixel), name)
     if as_json:
         facts = {"name": point.name, "triangle": point.triangle, "barycentrics": point.barycentrics}
@@ -75,6 +83,10 @@ def focus(
     settings: Settings = None,
     preset: Preset = "best",
     size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
     lens_radius: Radius = None,
     threads: Threads = None,
     as_json: AsJson = False,
@@ -88,8 +100,7 @@ def focus(
     params = settings_of(settings or [])
     make_params(method, params, preset)
     wanted = load_focus(points, "points")
-    loaded, camera, lens = scene_camera_lens(scene, size, lens_radius, None)
-    shot = View(loaded, camera, lens)
+    shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius)))
     names = []
     with progress_line() as tell, atomic_folder(output, "output") as temporary:
         for frame in range(first, end):

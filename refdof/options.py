@@ -1,36 +1,27 @@
 """Options of the command line: their help, and what their words mean."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from refdof._check import InputError, as_integer, as_pair
+from refdof._check import InputError, as_integer
 from refdof._jit import use_threads
-from refdof.focus.focus_file import load_focus
-from refdof.focus.focus_lens import focus_lens
 from refdof.methods import METHODS
-from refdof.optics.camera import Camera
-from refdof.optics.lens import ThinLens
-from refdof.optics.systems.paraxial import entrance_pupil
-from refdof.optics.systems.prescription import load_lens
-from refdof.optics.systems.system_lens import SystemLens
 from refdof.rendering import make_params
-from refdof.scene.load import load_scene
-from refdof.scene.scene import Scene
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
-from refdof.view import View
 
 __all__ = [
     "DEFAULT_SCENE",
     "PRESET_HELP",
     "AsJson",
+    "Eye",
     "FNumber",
     "Focus",
     "FocusPoints",
+    "Fov",
     "Lens",
     "MethodSettings",
     "Most",
@@ -43,15 +34,15 @@ __all__ = [
     "Settings",
     "Size",
     "Steps",
+    "Target",
     "Threads",
     "Tolerance",
+    "Up",
     "Wavelengths",
-    "lens_of_points",
     "listed",
     "pixel_of",
     "refuse_ignored",
     "sample_counts",
-    "scene_camera_lens",
     "set_threads",
     "settings_by_method",
     "settings_of",
@@ -61,6 +52,21 @@ __all__ = [
 DEFAULT_SCENE = "fence"
 Size = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
+]
+_PLACE = "X,Y,Z"
+Eye = Annotated[
+    str | None, typer.Option("--eye", metavar=_PLACE, help="Where the camera stands. Default: the scene's own.")
+]
+Target = Annotated[
+    str | None,
+    typer.Option("--target", metavar=_PLACE, help="What the camera looks at. Default: the scene's own."),
+]
+Up = Annotated[
+    str | None,
+    typer.Option("--up", metavar=_PLACE, help="What is upwards in the picture. Default: the scene's own."),
+]
+Fov = Annotated[
+    float | None, typer.Option("--fov", metavar="DEGREES", help="Vertical field of view. Default: the scene's own.")
 ]
 Radius = Annotated[
     float | None, typer.Option("--lens-radius", help="Lens radius in scene units. Default: the scene's own.")
@@ -181,71 +187,9 @@ def _whole(name: str, text: str) -> tuple[int, ...]:
     return tuple(int(word) for word in words)
 
 
-def scene_camera_lens(
-    name: str,
-    size: str | None,
-    lens_radius: float | None,
-    focus: float | None,
-    lens_file: str | None = None,
-    f_number: float | None = None,
-    wavelengths: int | None = None,
-    no_vignetting: bool | None = None,
-) -> tuple[Scene, Camera, ThinLens]:
-    """Load a scene and put the options over its suggested shot.
-
-    A lens system is scaled so that its entrance pupil, open as far as it goes, has the lens radius.
-    """
-    pixels = None if size is None else _size(size)
-    if lens_file is None:
-        given = {"f_number": f_number, "wavelengths": wavelengths, "no_vignetting": no_vignetting}
-        refuse_ignored("without --lens", "with it", **given)
-    system = None if lens_file is None else load_lens(lens_file)
-    scene = load_scene(name)
-    camera = scene.camera if pixels is None else scene.camera.with_size(pixels)
-    lens = scene.lens
-    try:
-        lens = replace(
-            lens,
-            radius=lens.radius if lens_radius is None else lens_radius,
-            focus_distance=lens.focus_distance if focus is None else focus,
-        )
-    except InputError as error:  # by the names of the options
-        names = str(error).replace("radius:", "lens-radius:", 1).replace("focus_distance:", "focus:", 1)
-        raise InputError(names) from None
-    if system is None:
-        return scene, camera, lens
-    if lens.radius == 0.0:
-        raise InputError("lens-radius: got 0 with --lens; allowed is a size to which the lens is scaled, above 0")
-    try:
-        scale, count = entrance_pupil(system).radius / lens.radius, 3 if wavelengths is None else wavelengths
-        real = SystemLens(system, lens.focus_distance, f_number, scale, count, not no_vignetting)
-    except InputError as error:
-        names = str(error).replace("f_number:", "f-number:", 1).replace("focus_distance:", "focus:", 1)
-        raise InputError(names) from None
-    return scene, real.seen_by(camera), real
-
-
-def lens_of_points(
-    points: Path | None, scene: Scene, camera: Camera, lens: ThinLens, focus: float | None, lens_file: str | None
-) -> ThinLens:
-    """The lens that follows the focus points of a file; the lens itself without one. It calls kernels."""
-    if points is None:
-        return lens
-    refuse_ignored("with --focus-points, which set it", "without them", focus=focus)
-    refuse_ignored("with --focus-points, which need a thin lens", "without them", lens=lens_file)
-    return focus_lens(load_focus(points), View(scene, camera, lens))
-
-
 def listed(text: str) -> list[str]:
     """Words between commas."""
     return [word.strip() for word in text.split(",")]
-
-
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit()):
-        raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")
-    return as_pair("size", (width, height), minimum=1, maximum=32768)
 
 
 def set_threads(threads: int | None) -> None:

@@ -569,7 +569,7 @@ INNER_MODULES = {
     "focus.focus_file", "focus.moving_least_squares", "focus_cli", "listing_cli",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
-    "image.arrays", "image.atomic", "export", "options", "progress", "warm", "oracle", "oracle_cli",
+    "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 
@@ -122,6 +123,20 @@ def test_no_time_of_a_first_table_has_compiling_in_it(tmp_path):
     assert marks == (set() if alone else {"reference.warm", "mipmap-best.warm", "cascaded-best.warm"})
 
 
+def test_the_command_in_a_report_works_again(tmp_path):
+    words = ["branches", "--methods", "singlepass", *SMALL, "--eye", "-0.5,1.5,6", "--up", "0.1,1,0", "--fov", "33.3"]
+    done = refdof("compare", *words, "--out", "first", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    first = json.loads((tmp_path / "first" / "table.json").read_text())
+    assert first["camera"]["eye"] == [-0.5, 1.5, 6.0]
+    assert first["command"] == "refdof " + shlex.join(["compare", *words, "--out", "first"])
+    assert first["command"] in (tmp_path / "first" / "report.html").read_text()
+    again = refdof(*shlex.split(first["command"])[1:-1], "second", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    for name in ("reference.npy", "singlepass.npy"):
+        np.testing.assert_array_equal(np.load(tmp_path / "first" / name), np.load(tmp_path / "second" / name))
+
+
 def test_both_presets_at_once(tmp_path):
     words = ("--methods", "mipmap,singlepass", "--preset", "best,paper")
     done = refdof("compare", "branches", *words, *SMALL, "--out", "here", cwd=tmp_path)
@@ -230,6 +245,22 @@ def test_bad_input_from_a_shell():
         (["compare", "fence", "--size", "0x10"], "size: got"),
         (["compare", "fence", "--size", "10x10"], "size: got 10x10; allowed for scores is at least 11x11"),
         (["compare", "fence", "--size", "99999x10"], "size: got"),
+        (["compare", "fence", "--eye", "1,2"], "refdof: eye: got '1,2'; allowed is X,Y,Z, three numbers"),
+        (["compare", "fence", "--eye", "1,2,x"], "refdof: eye: got '1,2,x'; allowed is X,Y,Z, three numbers"),
+        (["compare", "fence", "--target", "1,2,3,4"], "refdof: target: got '1,2,3,4'; allowed is X,Y,Z"),
+        (["compare", "fence", "--target", "inf,0,0"], "refdof: target: "),
+        (["compare", "fence", "--up", ""], "refdof: up: got ''; allowed is X,Y,Z, three numbers"),
+        (["compare", "fence", "--up", "0,nan,0"], "refdof: up: "),
+        (
+            ["compare", "fence", "--eye", "1,2,3", "--target", "1,2,3"],
+            "refdof: target: got (1.0, 2.0, 3.0), the same point as eye",
+        ),
+        (
+            ["export", "fence", "--out", "a", "--eye", "0,0,5", "--target", "0,0,0", "--up", "0,0,2"],
+            "refdof: up: got (0.0, 0.0, 2.0), parallel to the view",
+        ),
+        (["compare", "fence", "--fov", "180"], "refdof: fov: got 180; allowed is a finite number >= 1e-06 and <= 179"),
+        (["pick", "fence", "--pixel", "1,1", "--fov", "0"], "refdof: fov: got 0; allowed is"),
         (["compare", "fence", "--lens-radius", "-1"], "refdof: lens-radius: got -1; allowed is a finite number >= 0"),
         (["compare", "fence", "--lens-radius", "nan"], "lens-radius: got nan"),
         (["compare", "fence", "--focus", "0"], "refdof: focus: got 0; allowed is a number > 0"),

@@ -28,6 +28,8 @@ REFUSED = [
     *((words, option, value, "without --lens")
       for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
       for option, value in (("f-number", "2"), ("wavelengths", "7"), ("no-vignetting", None))),
+    *(([*words, "--lens", "biconvex"], "fov", "30", "with --lens, which sets it")
+      for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])),
     *(([*words, "--focus-points", "x.toml"], option, value, why) for words in (
         RENDER, ["export", "fence", "--methods", "mipmap", "--out", "a"], ["compare", "fence", "--out", "a"]
     ) for option, value, why in (
@@ -38,7 +40,7 @@ REFUSED = [
     (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
         ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
-        ("focus", "0"),
+        ("focus", "0"), ("eye", "0,0,9"), ("target", "0,1,0"), ("up", "0,0,1"), ("fov", "30"),
     )),
     *((["check", "--pack", ".", *how], "given", "size", "without --impl") for how in (RESULTS, SHADER)),
     *(([command, "--pack", ".", *how], "bindings", "x.toml", "without --shader")
@@ -58,17 +60,17 @@ TWICE = [
 HEEDED = {
     "scenes": "json",
     "methods": "json",
-    "render": "method output set preset size lens-radius focus-points seed samples stages threads json",
-    "export": "out methods set layers size lens-radius focus-points threads json",
-    "compare": "methods out set preset size lens-radius focus-points seed tolerance threads json",
+    "render": "method output set preset size eye target up lens-radius focus-points seed samples stages threads json",
+    "export": "out methods set layers size eye target up lens-radius focus-points threads json",
+    "compare": "methods out set preset size eye target up lens-radius focus-points seed tolerance threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",
     "diagnose": "pack results impl shader case json",
     "explain": "pixel stage out threads json",
     "lens": "focus out threads json",
-    "pick": "pixel size name json",
-    "focus": "points method output frames format set preset size lens-radius threads json",
+    "pick": "pixel size eye target up fov name json",
+    "focus": "points method output frames format set preset size eye target up fov lens-radius threads json",
 }
 
 

@@ -72,10 +72,12 @@ def at_noise_floor(row: Row, comparison: Comparison) -> bool:
 
 
 def command_of(comparison: Comparison) -> str:
-    """A `refdof compare` line for this shot; a camera or lens system that is not the scene's own is not said."""
+    """A `refdof compare` line for this shot; of a lens system, focus points and an aperture, the thin lens is said."""
     camera, lens = comparison.camera, comparison.lens
     words = ["refdof", "compare", comparison.scene, "--size", f"{camera.width}x{camera.height}"]
-    words += ["--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
+    for name in ("eye", "target", "up"):
+        words += [f"--{name}", ",".join(map(repr, getattr(camera, name)))]
+    words += ["--fov", repr(camera.fov_y), "--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
     words += ["--samples", str(round(comparison.samples))]
     words += ["--methods", ",".join(dict.fromkeys(row.method for row in comparison.rows))]
     words += ["--preset", ",".join(dict.fromkeys(row.preset for row in comparison.rows))]
