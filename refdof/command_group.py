@@ -1,4 +1,4 @@
-"""The group of all commands: those of the oracle, explanations, lenses and focus are added when called."""
+"""The group of all commands: those of the oracle, explanations, lenses, focus and the studio are added when called."""
 
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +19,7 @@ class Commands(TyperGroup):
         self._add_explain()
         self._add_lens()
         self._add_focus()
+        self._add_studio()
         return super().list_commands(context)
 
     def get_command(self, context: Any, name: str) -> Any:
@@ -29,6 +30,8 @@ class Commands(TyperGroup):
             self._add_lens()
         elif name in ("focus", "pick"):
             self._add_focus()
+        elif name == "studio":
+            self._add_studio()
         elif name not in self.commands:
             self._add_oracle()
         return super().get_command(context, name)
@@ -52,6 +55,11 @@ class Commands(TyperGroup):
         from refdof.focus_cli import add_focus
 
         self._add(add_focus)
+
+    def _add_studio(self) -> None:
+        from refdof.studio_cli import add_studio
+
+        self._add(add_studio)
 
     def _add(self, add: Callable[[typer.Typer], None]) -> None:
         more = typer.Typer()

@@ -29,6 +29,7 @@ from refdof.scene.scene import Scene
 __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 
 _WITHOUT_LENS = ("surfaces", "tracer", "triangles", "pinhole", "layers")  # products that no lens changes
+_WITHOUT_SIZE = ("surfaces", "tracer", "triangles")  # nor the picture's size
 _WITH_RADIUS = ("umbra layers", "surface counts", "lensblur")  # only its radius
 _SHARED = ("surfaces", "tracer", "triangles", "ray map", "pinhole", "coc")  # by many methods; small beside layers
 
@@ -191,6 +192,13 @@ class View:
             kept = (*kept, *_WITH_RADIUS)
         other.times_warm_runs = self.times_warm_runs
         other._products = {name: made for name, made in self._products.items() if name.startswith(kept)}
+        return other
+
+    def with_size(self, size: tuple[int, int]) -> "View":
+        """The same scene, camera and lens at another size of the picture; what that does not change is shared."""
+        other = View(self.scene, self.camera.with_size(size), self.lens)
+        other.times_warm_runs = self.times_warm_runs
+        other._products = {name: made for name, made in self._products.items() if name in _WITHOUT_SIZE}
         return other
 
     def forget_layers(self) -> None:

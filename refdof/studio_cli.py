@@ -1,0 +1,49 @@
+"""The command `refdof studio`: a scene in the browser, where a click says what shall be sharp."""
+
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from refdof._check import InputError, as_integer
+from refdof.options import Threads
+from refdof.scene.load import load_scene
+
+__all__ = ["add_studio"]
+
+_DEFAULT_SCENE = "town"
+
+
+def add_studio(app: typer.Typer) -> None:
+    """Give `app` the command."""
+    app.command()(studio)
+
+
+def studio(
+    scene: Annotated[
+        str, typer.Argument(metavar="[SCENE]", help="Built-in scene or mesh file.", show_default=False)
+    ] = _DEFAULT_SCENE,
+    port: Annotated[int, typer.Option("--port", help="Port on 127.0.0.1; 0 is a free one.")] = 0,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Print the page's URL only; open no browser.")] = False,
+    threads: Threads = None,
+) -> None:
+    """Open a scene in the browser: click to focus, tilt, blur, play keyframes. Ctrl-C ends it.
+
+    Files of the current folder may be opened and written, no others.
+    """
+    port = as_integer("port", port, minimum=0, maximum=65535)
+    threads = None if threads is None else as_integer("threads", threads, minimum=1)
+    try:
+        from refdof.studio.server import serve
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"studio: needs {error.name}, which is not installed; allowed is refdof with its extra, refdof[studio]"
+        ) from None
+
+    def ready(url: str) -> None:
+        print(url, flush=True)
+        if not no_open:
+            webbrowser.open(url)
+
+    serve(load_scene(scene), scene, Path.cwd(), port, threads, ready)
