@@ -71,20 +71,21 @@ class Pictures:
         InputError
             If the lens cannot be: no point in the picture, a focus that the lens does not reach, no such lens.
         """
-        lens, camera = state.lens, state.camera if size is None else state.camera.with_size(size)
-        thin = ThinLens(lens.radius, lens.focus, self.scene.lens.aperture)
+        lens, shot = state.lens, self.shot(state, size)
+        if lens.kind == "thin":
+            return shot
         if lens.kind == "file":
             system = self._system_of(lens.file)
             if lens.radius == 0.0:
                 raise InputError("radius: got 0; allowed is a size to which the lens is scaled, above 0")
             real = SystemLens(system, lens.focus, lens.f_number, entrance_pupil(system).radius / lens.radius)
-            return self._kept(real.seen_by(camera), real, state.frame)
-        if lens.kind == "thin":
-            return self._kept(camera, thin, state.frame)
-        shot = self._kept(camera, thin, state.frame)
-        following = shot.with_lens(focus_lens(Focus(state.points, lens.kind), shot, state.frame))
-        self._views[camera, state.frame] = following
-        return following
+            return self._kept(real.seen_by(shot.camera), real, state.frame)
+        return self._kept(shot.camera, focus_lens(Focus(state.points, lens.kind), shot, state.frame), state.frame)
+
+    def shot(self, state: State, size: tuple[int, int] | None = None) -> View:
+        """The view of a state through a thin lens, which focus points are seen by."""
+        camera = state.camera if size is None else state.camera.with_size(size)
+        return self._kept(camera, ThinLens(state.lens.radius, state.lens.focus, self.scene.lens.aperture), state.frame)
 
     def steps(self, state: State, newer: Callable[[], bool]) -> Iterator[Picture | None]:
         """Pictures of a state, each better than the one before; None where there is no new one.

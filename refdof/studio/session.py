@@ -4,6 +4,7 @@ The page owns the state; every message that needs one carries it. Work is done a
 """
 
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -34,7 +35,8 @@ __all__ = ["Session"]
 
 _FILM = 0.024  # m: height of a film frame, which gives a focal length to a field of view
 _LARGEST_SIDE = 960  # of the first picture [px]
-_PATIENCE = 1.0  # s after which a page is told that something compiles
+_PATIENCE = 1.0  # s after which a page is told why it waits
+_COMPILING = "compiling what this picture needs for the first time: up to a minute"
 
 Tell = Callable[[dict[str, Any], list[bytes]], None]
 Put = Callable[[dict[str, Any]], None]
@@ -111,13 +113,33 @@ class Session:
         def steps(newer: Callable[[], bool]) -> Iterator[None]:
             with self._faults_told(id=state.id):
                 start = time.perf_counter()
-                for picture in self._pictures.steps(state, newer):
+                for picture in self._slow_told(self._pictures.steps(state, newer)):
                     if picture is not None:
                         self._tell_picture(state, picture, time.perf_counter() - start)
                     yield
                     start = time.perf_counter()
 
         self._desk.ask(self, steps)
+
+    def _slow_told(self, pictures: Iterator[Picture | None]) -> Iterator[Picture | None]:
+        """The same, and the page is told when the first takes long."""
+        told = threading.Event()
+
+        def tell() -> None:
+            told.set()
+            self._tell({"kind": "progress", "text": _COMPILING}, [])
+
+        timer = threading.Timer(_PATIENCE, tell)
+        timer.daemon = True
+        timer.start()
+        try:
+            first = next(pictures, None)
+        finally:
+            timer.cancel()
+            if told.is_set():
+                self._tell({"kind": "progress", "text": ""}, [])
+        yield first
+        yield from pictures
 
     def _tell_picture(self, state: State, picture: Picture, seconds: float) -> None:
         height, width, _ = picture.levels.shape
@@ -138,7 +160,7 @@ class Session:
 
     def _markers(self, state: State) -> list[dict[str, float] | None]:
         """Where the points are in the picture [px], and what they weigh; None where one is not to be seen."""
-        view = self._pictures.view(state) if state.points else None
+        view = self._pictures.shot(state) if state.points else None
         marks: list[dict[str, float] | None] = []
         for point in state.points:
             assert view is not None
