@@ -9,3 +9,37 @@ A page holds the state and sends it; Python answers with pictures, first coarse,
 - the files that a page may open and write                        `refdof.studio.folder`
 - the server of the page, and the notebook's widget               `refdof.studio.server`, `refdof.studio.notebook`
 """
+
+from typing import Any
+
+from refdof._check import InputError
+
+__all__ = ["widget"]
+
+
+def widget(scene: Any, folder: Any = ".") -> Any:
+    """The studio as a widget of a notebook; it needs the extra refdof[notebook].
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, or what `refdof.load_scene` takes.
+    folder : str or Path
+        Its files, and no others, may be opened and written by the widget.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+
+    Raises
+    ------
+    InputError
+        If the extra is not installed, or there is no such scene.
+    """
+    try:
+        from refdof.studio.notebook import StudioWidget
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"widget: needs {error.name}, which is not installed; allowed is refdof with its extra, refdof[notebook]"
+        ) from None
+    return StudioWidget(scene, folder)

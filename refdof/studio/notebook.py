@@ -1,0 +1,71 @@
+"""Notebook: the studio's view as a widget, with the same module and messages as the page."""
+
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+from refdof._check import as_path
+from refdof.scene.load import load_scene
+from refdof.scene.scene import Scene
+from refdof.studio.desk import Desk
+from refdof.studio.folder import Folder
+from refdof.studio.page import page_file, view_module
+from refdof.studio.session import Session
+
+__all__ = ["StudioWidget"]
+
+
+class StudioWidget(anywidget.AnyWidget):
+    """A scene whose focus is set by clicks, below a cell of a notebook.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        As of `refdof.load_scene`.
+    folder : str or Path
+        Whose files may be opened and written; the notebook's by default.
+    """
+
+    _esm = view_module()
+    _css = page_file("studio.css")
+    scene = traitlets.Dict().tag(sync=True)
+    state = traitlets.Dict().tag(sync=True)
+
+    def __init__(self, scene: Any, folder: Any = ".") -> None:
+        name = scene.name if isinstance(scene, Scene) else str(scene)
+        loaded = scene if isinstance(scene, Scene) else load_scene(scene)
+        super().__init__()
+        self._putting = False
+        self._desk = Desk(lambda error: traceback.print_exception(error, file=sys.stderr))
+        place = Folder(Path(as_path("folder", folder)))
+        self._session = Session(self._desk, place, loaded, name, self._tell, self._put)
+        self.observe(self._state_set, "state")
+        self.on_msg(self._heard)
+
+    def close(self) -> None:
+        """Take the widget away, and end its thread."""
+        self._session.close()
+        self._desk.close()
+        super().close()
+
+    def _tell(self, message: dict[str, Any], buffers: list[bytes]) -> None:
+        self.send(message, buffers)
+
+    def _put(self, traits: dict[str, Any]) -> None:
+        self._putting = True
+        try:
+            self.set_trait("scene", traits.get("scene", self.scene))
+            self.set_trait("state", traits.get("state", self.state))
+        finally:
+            self._putting = False
+
+    def _state_set(self, change: Any) -> None:
+        if not self._putting:  # the page sends what it is given back, with a number of its own
+            self._session.set_state(change["new"])
+
+    def _heard(self, _: Any, content: Any, buffers: Any) -> None:
+        self._session.receive(content, [bytes(part) for part in buffers or []])

@@ -1,0 +1,247 @@
+"""A session: messages in, pictures and answers out; what they say is checked on a scene whose numbers are known."""
+
+import queue
+import shlex
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import refdof.cli
+from refdof import View, reference
+from refdof.focus.focus_file import load_focus
+from refdof.image.display import display, to_8_bit
+from refdof.image.file import load_image
+from refdof.rendering import render_view
+from refdof.studio.desk import Desk
+from refdof.studio.folder import Folder
+from refdof.studio.session import Session
+from tests.studio import flat
+
+pytestmark = pytest.mark.fast
+WAIT = 120.0  # s: the first picture compiles
+
+
+class Page:
+    """Sends what a page sends, and keeps what it is told."""
+
+    def __init__(self, root, scene=None, name="flat"):
+        self.told, self.put, self.errors = queue.Queue(), queue.Queue(), []
+        self.desk = Desk(self.errors.append)
+        tell = lambda message, buffers: self.told.put((message, buffers))  # noqa: E731
+        self.session = Session(self.desk, Folder(root), scene or flat.scene(), name, tell, self.put.put)
+        self.first = self.put.get(timeout=WAIT)
+        self.asked = 0
+
+    def message(self, **wanted):
+        """The next message with these values; others are dropped."""
+        while True:
+            message, buffers = self.told.get(timeout=WAIT)
+            if message["kind"] == "error" and wanted.get("kind") != "error":
+                raise AssertionError(message["text"])
+            if all(message.get(key) == value for key, value in wanted.items()):
+                return message, buffers
+
+    def picture(self, state, step="fine"):
+        self.session.set_state(state)
+        message, (raw,) = self.message(kind="picture", id=state["id"], step=step)
+        rgba = np.frombuffer(raw, dtype=np.uint8).reshape(message["height"], message["width"], 4)
+        assert (rgba[..., 3] == 255).all()
+        return message, rgba[..., :3]
+
+    def call(self, **content):
+        self.asked += 1
+        self.session.receive({**content, "ask": self.asked})
+        return self.message(ask=self.asked)[0]
+
+    def error(self, **content):
+        self.asked += 1
+        self.session.receive({**content, "ask": self.asked})
+        return self.message(kind="error", ask=self.asked)[0]["text"]
+
+
+@pytest.fixture
+def page(tmp_path):
+    page = Page(tmp_path)
+    yield page
+    page.desk.close()
+    assert page.errors == []
+
+
+def test_a_page_is_told_the_scene_and_a_first_state(page):
+    scene, state = page.first["scene"], page.first["state"]
+    assert scene["size"] == [flat.WIDTH, flat.HEIGHT]
+    np.testing.assert_allclose(scene["depths"], [flat.NEAR, flat.FAR], rtol=1e-6)  # depths of layers are float32
+    # 24 mm of film over twice the tangent of half the field of view, 48 px over 2 x 50 px.
+    assert state["lens"]["focal_length"] == pytest.approx(0.024 * 50.0 / 48.0)
+    message, levels = page.picture({**state, "id": 1, "method": "scatter"})
+    assert levels.shape == (flat.HEIGHT, flat.WIDTH, 3)
+    assert message["legend"] is None
+
+
+def test_pictures_are_those_of_the_method(page):
+    for number, (method, settings) in enumerate([("scatter", {}), ("lensblur", {"samples": 64})], 1):
+        _, levels = page.picture(flat.state(number, method=method, lens_focus=flat.FAR))
+        view = View(flat.scene(), flat.scene().camera, flat.scene().lens.__class__(0.1, flat.FAR))
+        np.testing.assert_array_equal(levels, to_8_bit(render_view(method, view, **settings).image))
+
+
+def test_while_something_moves_there_is_a_coarse_picture_only(page):
+    state = flat.state(1, moving=True, size=[640, 480])
+    _, levels = page.picture(state, "coarse")
+    assert levels.shape == (120, 160, 3)
+    page.session.set_state(flat.state(2, size=[64, 48]))
+    steps = [page.told.get(timeout=WAIT)[0] for _ in range(2)]
+    assert [(step["id"], step["step"]) for step in steps] == [(2, "coarse"), (2, "fine")]
+
+
+def test_picks_and_markers_are_where_the_scene_is(page):
+    state = flat.state(1)
+    for x, depth in ((3, flat.NEAR), (60, flat.FAR)):
+        found = page.call(kind="pick", pixel=[x, 20], state=state)
+        assert found["depth"] == pytest.approx(depth, rel=1e-6)
+        # c = P E (1 / focus - 1 / depth)
+        assert found["coc_px"] == pytest.approx(flat.SCALE * 0.1 * (1 / flat.NEAR - 1 / depth), abs=1e-6)
+        state["points"].append(found["point"])
+    message, _ = page.picture({**state, "id": 2, "lens": {**state["lens"], "kind": "surface"}})
+    for mark, x in zip(message["points"], (3, 60), strict=True):
+        assert (mark["x"], mark["y"]) == (pytest.approx(x + 0.5, abs=1e-6), pytest.approx(20.5, abs=1e-6))
+    outside = {**state["points"][0], "triangle": 3, "barycentrics": [1, 0, 0]}  # a corner far outside of the picture
+    message, _ = page.picture({**state, "id": 3, "points": [outside]})
+    assert message["points"] == [None]
+    background = page.call(kind="pick", pixel=[200, 20], state={**state, "points": []})
+    assert background["point"] is None
+
+
+def test_a_focal_surface_is_sharp_at_both_cards(page):
+    state = flat.state(1)
+    state["points"] = [page.call(kind="pick", pixel=[x, 20], state=state)["point"] for x in (3, 60)]
+    surface = {**state, "id": 2, "lens": {**state["lens"], "kind": "surface"}}
+    message, _ = page.picture({**surface, "overlay": "coc"})
+    assert message["legend"]["unit"] == "px"
+    view = page.session._pictures.view(page.session._last)
+    coc = view.coc_px()
+    assert abs(coc[20, 3]) < 1e-3  # the surface passes through the points, half a pixel away at most
+    assert abs(coc[20, 60]) < 1e-3
+
+
+def test_overlays_show_what_is_known(page):
+    for number, overlay in enumerate(("coc", "depth", "layers", "focus"), 1):
+        message, levels = page.picture(flat.state(number, overlay=overlay))
+        left, right = levels[24, 10].astype(int), levels[24, 50].astype(int)
+        legend = message["legend"]
+        if overlay == "coc":  # in focus: white; 1.875 px behind it, which is the largest: red
+            assert legend["high"] == pytest.approx(flat.SCALE * 0.1 * (1 / flat.NEAR - 1 / flat.FAR), rel=1e-6)
+            assert left.tolist() == [255, 255, 255]
+            assert right[0] > right[2] + 50
+        if overlay == "depth":
+            assert (legend["low"], legend["high"]) == (pytest.approx(flat.NEAR), pytest.approx(flat.FAR))
+            assert left.tolist() == [255, 255, 255]
+            assert right.tolist() == [26, 26, 26]  # 0.1
+        if overlay == "layers":  # two surfaces on the left, one on the right
+            assert left.sum() > right.sum() > 0
+        if overlay == "focus":  # orange where it is in focus
+            assert left[0] > left[2] + 100
+            assert right[2] > right[0]
+
+
+def test_the_error_is_the_difference_to_the_reference(page):
+    message, levels = page.picture(flat.state(1, overlay="error", method="singlepass"), "reference")
+    assert "beside 16 lens samples" in message["legend"]["unit"]
+    edge, away = levels[:, 30:34].astype(int).sum(), levels[:, :20].astype(int).sum()
+    assert edge > 0
+    assert away == 0  # a card of one colour in focus
+    # The first block is the reference of seed 0 with 16 samples; the worst difference has the scale's last colour.
+    truth = reference(flat.scene(), samples=16, seed=0).image
+    image = render_view("singlepass", View(flat.scene(), flat.scene().camera, flat.scene().lens)).image
+    error = np.abs(display(image).astype(np.float64) - display(truth))
+    root = float(message["legend"]["unit"].split("RMSE ")[1].split()[0])
+    assert root == pytest.approx(np.sqrt(np.mean(error**2)), abs=1e-4)  # four digits are shown
+    assert (levels.sum(axis=2)[error.max(axis=2) == 0.0] == 0).all()
+
+
+def test_the_command_makes_the_saved_picture_once_more(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = Page(tmp_path, refdof.load_scene("cans"), "cans")
+    state = {**page.first["state"], "id": 1, "size": [48, 36], "method": "scatter"}
+    state["camera"]["eye"][0] += 0.25
+    state["lens"] |= {"kind": "thin", "radius": 0.2, "focus": 5.5}
+    pointed = {**state, "lens": {**state["lens"], "kind": "surface"}}
+    picked = page.call(kind="pick", pixel=[24, 20], state=state)["point"]
+    real = {**state, "lens": {**state["lens"], "kind": "file", "f_number": 4.0}}
+    wanted = [(state, "thin.exr"), ({**pointed, "points": [picked]}, "points.exr"), (real, "real.exr")]
+    for number, (one, name) in enumerate(wanted):
+        saved = page.call(kind="save", what="exr", name=name, state=one)
+        assert saved["name"] == name
+        words = shlex.split(saved["command"])[1:]
+        assert CliRunner().invoke(refdof.cli.app, [*words[:-1], f"{number}.exr"], catch_exceptions=False).exit_code == 0
+        np.testing.assert_array_equal(load_image(tmp_path / f"{number}.exr"), load_image(tmp_path / name))
+        assert page.call(kind="command", state=one)["text"].startswith("refdof render cans --method scatter")
+    assert load_focus(tmp_path / "points.focus.toml").points[0].triangle == picked["triangle"]
+    page.desk.close()
+
+
+def test_focus_files_are_saved_and_opened(page, tmp_path):
+    state = flat.state(1, lens_kind="plane")
+    state["points"] = [
+        page.call(kind="pick", pixel=[x, 20], state=state | {"lens": flat.state()["lens"]})["point"] for x in (3, 60)
+    ]
+    assert page.call(kind="save", what="focus", name="a.toml", state=state)["name"] == "a.toml"
+    assert load_focus(tmp_path / "a.toml").kind == "plane"
+    page.picture(flat.state(2))
+    while not page.put.empty():
+        page.put.get()
+    assert page.call(kind="open", name="a.toml")["what"] == "focus"
+    given = page.put.get(timeout=WAIT)["state"]
+    assert given["lens"]["kind"] == "plane"
+    assert [point["triangle"] for point in given["points"]] == [point["triangle"] for point in state["points"]]
+    assert page.call(kind="open", name="cooke_triplet")["what"] == "lens"
+    assert page.put.get(timeout=WAIT)["state"]["lens"] | {"radius": 0, "focus": 0} == given["lens"] | {
+        "kind": "file",
+        "file": "cooke_triplet",
+        "radius": 0,
+        "focus": 0,
+    }
+
+
+def test_a_mesh_of_the_folder_is_opened(page, tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert page.call(kind="open", name="a.obj")["what"] == "scene"
+    traits = page.put.get(timeout=WAIT)
+    assert traits["scene"]["name"] == "a.obj"
+    state = {**traits["state"], "id": 9, "size": [32, 24], "method": "scatter"}
+    _, levels = page.picture(state)
+    assert levels.max() > 0
+
+
+def test_whatever_is_wrong_with_a_message_is_an_answer(page):
+    assert "kind: got 'nix'" in page.error(kind="nix")
+    assert "kind" in page.error(kind=["pick"])
+    assert "state" in page.error(kind="pick", pixel=[1, 2])
+    assert "pixel" in page.error(kind="pick", pixel="here", state=flat.state())
+    assert "pixel" in page.error(kind="pick", pixel=[-1, 0], state=flat.state())
+    assert "what" in page.error(kind="save", what="exe", name="a.exe", state=flat.state())
+    assert "name" in page.error(kind="save", what="png", name="../a.png", state=flat.state())
+    assert "points" in page.error(kind="save", what="focus", name="a.toml", state=flat.state())
+    assert "name" in page.error(kind="open", name="../a.toml")
+    assert "drop" in page.error(kind="drop", name="a.obj")
+    assert "frame" in page.error(kind="command", state=flat.state(frame=3))
+    for raw in (None, 3, "text", [], {"kind": "pick", "ask": "x"}):
+        page.session.receive(raw)
+        assert page.message(kind="error")[0]["text"]
+    for raw in (None, 3, {"id": 4}, flat.state(lens_kind="surface")):  # no points
+        page.session.set_state(raw)
+        assert page.message(kind="error")[0]["text"]
+    page.picture(flat.state(5))
+
+
+def test_of_two_pages_each_has_its_own(page, tmp_path):
+    told = queue.Queue()
+    other = Session(page.desk, Folder(tmp_path), flat.scene(), "flat", lambda *given: told.put(given), lambda _: None)
+    other.set_state(flat.state(1, overlay="depth"))
+    page.session.set_state(flat.state(1))
+    page.message(kind="picture", step="fine", overlay="none")
+    while told.get(timeout=WAIT)[0].get("step") != "fine":
+        pass
+    other.close()
+    page.picture(flat.state(2))
