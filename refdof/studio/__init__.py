@@ -12,7 +12,10 @@ A page holds the state and sends it; Python answers with pictures, first coarse,
 
 from typing import Any
 
-from refdof._check import InputError
+from refdof._check import InputError, as_path
+from refdof.scene.load import load_scene
+from refdof.scene.scene import Scene
+from refdof.studio.folder import Folder
 
 __all__ = ["widget"]
 
@@ -42,4 +45,6 @@ def widget(scene: Any, folder: Any = ".") -> Any:
         raise InputError(
             f"widget: needs {error.name}, which is not installed; allowed is refdof with its extra, refdof[notebook]"
         ) from None
-    return StudioWidget(scene, folder)
+    if isinstance(scene, Scene):
+        return StudioWidget(scene, scene.name, Folder(as_path("folder", folder)))
+    return StudioWidget(load_scene(scene), str(scene), Folder(as_path("folder", folder)))

@@ -2,14 +2,11 @@
 
 import sys
 import traceback
-from pathlib import Path
 from typing import Any
 
 import anywidget
 import traitlets
 
-from refdof._check import as_path
-from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.studio.desk import Desk
 from refdof.studio.folder import Folder
@@ -20,29 +17,18 @@ __all__ = ["StudioWidget"]
 
 
 class StudioWidget(anywidget.AnyWidget):
-    """A scene whose focus is set by clicks, below a cell of a notebook.
-
-    Parameters
-    ----------
-    scene : Scene, str or Path
-        As of `refdof.load_scene`.
-    folder : str or Path
-        Whose files may be opened and written; the notebook's by default.
-    """
+    """A scene whose focus is set by clicks, below a cell of a notebook: `refdof.studio.widget`."""
 
     _esm = view_module()
     _css = page_file("studio.css")
     scene = traitlets.Dict().tag(sync=True)
     state = traitlets.Dict().tag(sync=True)
 
-    def __init__(self, scene: Any, folder: Any = ".") -> None:
-        name = scene.name if isinstance(scene, Scene) else str(scene)
-        loaded = scene if isinstance(scene, Scene) else load_scene(scene)
+    def __init__(self, scene: Scene, name: str, folder: Folder) -> None:
         super().__init__()
         self._putting = False
         self._desk = Desk(lambda error: traceback.print_exception(error, file=sys.stderr))
-        place = Folder(Path(as_path("folder", folder)))
-        self._session = Session(self._desk, place, loaded, name, self._tell, self._put)
+        self._session = Session(self._desk, folder, scene, name, self._tell, self._put)
         self.observe(self._state_set, "state")
         self.on_msg(self._heard)
 

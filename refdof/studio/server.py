@@ -72,6 +72,7 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", port))
+        listening.listen()  # who is told the URL may use it at once
     except OSError as error:
         listening.close()
         raise InputError(f"port: got {port}: {error.strerror}; allowed is a free port, or 0 for any") from None

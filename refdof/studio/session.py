@@ -23,12 +23,13 @@ from refdof.image.file import save_image
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 from refdof.optics.systems.prescription import LENSES
+from refdof.scene.builtin import SCENES
 from refdof.scene.scene import Scene
 from refdof.studio.command import command_of
 from refdof.studio.desk import Desk
 from refdof.studio.folder import Folder
 from refdof.studio.pictures import Picture, Pictures
-from refdof.studio.state import OVERLAYS, LensChoice, State, parse_state, point_as_json, state_as_json
+from refdof.studio.state import OVERLAYS, LensSetting, State, parse_state, point_as_json, state_as_json
 from refdof.view import View
 
 __all__ = ["Session"]
@@ -237,7 +238,7 @@ class Session:
         camera, lens = self._pictures.scene.camera, self._pictures.scene.lens
         shrink = max(max(camera.size) / _LARGEST_SIDE, 1.0)
         camera = camera.with_size((max(round(camera.width / shrink), 1), max(round(camera.height / shrink), 1)))
-        choice = LensChoice("thin", lens.radius, lens.focus_distance, _focal_length(camera), "double_gauss", None)
+        choice = LensSetting("thin", lens.radius, lens.focus_distance, _focal_length(camera), "double_gauss", None)
         return State(0, camera, choice, (), "lensblur", "none", 0.0, False)
 
     def _show(self, state: State) -> None:
@@ -257,6 +258,7 @@ class Session:
             "depths": [float(seen.min()), float(seen.max())] if seen.size else [1.0, 100.0],
             "methods": [{"name": name, "kind": module.METHOD.kind} for name, module in METHODS.items()],
             "overlays": list(OVERLAYS),
+            "scenes": list(SCENES),
             "lens_files": list(LENSES),
             "frames": None,
             "folder": self._folder.root.name,

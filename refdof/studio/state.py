@@ -14,7 +14,7 @@ from refdof.focus.point import FocusPoint
 from refdof.methods import METHODS
 from refdof.optics.camera import Camera
 
-__all__ = ["LENS_KINDS", "OVERLAYS", "LensChoice", "State", "parse_state", "point_as_json", "state_as_json"]
+__all__ = ["LENS_KINDS", "OVERLAYS", "LensSetting", "State", "parse_state", "point_as_json", "state_as_json"]
 
 LENS_KINDS = ("thin", *KINDS, "file")
 OVERLAYS = ("none", "coc", "focus", "depth", "layers", "error")
@@ -29,7 +29,7 @@ _POINT = tuple(field.name for field in fields(FocusPoint))
 
 
 @dataclass(frozen=True)
-class LensChoice:
+class LensSetting:
     """The lens of a state.
 
     Attributes
@@ -65,7 +65,7 @@ class State:
         The page's number of this state.
     camera : Camera
         Its size is that of the fine picture.
-    lens : LensChoice
+    lens : LensSetting
     points : FocusPoints
     method : str
     overlay : one of `OVERLAYS`
@@ -76,7 +76,7 @@ class State:
 
     id: int
     camera: Camera
-    lens: LensChoice
+    lens: LensSetting
     points: tuple[FocusPoint, ...]
     method: str
     overlay: str
@@ -135,11 +135,11 @@ def point_as_json(point: FocusPoint) -> dict[str, Any]:
     return {name: _plain(getattr(point, name)) for name in _POINT}
 
 
-def _lens(raw: dict[str, Any]) -> LensChoice:
+def _lens(raw: dict[str, Any]) -> LensSetting:
     focus, stop = raw["focus"], raw["f_number"]
     if not isinstance(raw["file"], str):
         raise InputError(f"file: got {type(raw['file']).__name__}; allowed is text")
-    return LensChoice(
+    return LensSetting(
         as_choice("kind", raw["kind"], LENS_KINDS),
         as_number("radius", raw["radius"], minimum=0.0),
         math.inf if focus is None else as_number("focus", focus, above=0.0),

@@ -8,56 +8,14 @@ import pytest
 from typer.testing import CliRunner
 
 import refdof.cli
-from refdof import View, reference
 from refdof.focus.focus_file import load_focus
-from refdof.image.display import display, to_8_bit
 from refdof.image.file import load_image
-from refdof.rendering import render_view
-from refdof.studio.desk import Desk
 from refdof.studio.folder import Folder
 from refdof.studio.session import Session
 from tests.studio import flat
+from tests.studio.page import WAIT, Page
 
 pytestmark = pytest.mark.fast
-WAIT = 120.0  # s: the first picture compiles
-
-
-class Page:
-    """Sends what a page sends, and keeps what it is told."""
-
-    def __init__(self, root, scene=None, name="flat"):
-        self.told, self.put, self.errors = queue.Queue(), queue.Queue(), []
-        self.desk = Desk(self.errors.append)
-        tell = lambda message, buffers: self.told.put((message, buffers))  # noqa: E731
-        self.session = Session(self.desk, Folder(root), scene or flat.scene(), name, tell, self.put.put)
-        self.first = self.put.get(timeout=WAIT)
-        self.asked = 0
-
-    def message(self, **wanted):
-        """The next message with these values; others are dropped."""
-        while True:
-            message, buffers = self.told.get(timeout=WAIT)
-            if message["kind"] == "error" and wanted.get("kind") != "error":
-                raise AssertionError(message["text"])
-            if all(message.get(key) == value for key, value in wanted.items()):
-                return message, buffers
-
-    def picture(self, state, step="fine"):
-        self.session.set_state(state)
-        message, (raw,) = self.message(kind="picture", id=state["id"], step=step)
-        rgba = np.frombuffer(raw, dtype=np.uint8).reshape(message["height"], message["width"], 4)
-        assert (rgba[..., 3] == 255).all()
-        return message, rgba[..., :3]
-
-    def call(self, **content):
-        self.asked += 1
-        self.session.receive({**content, "ask": self.asked})
-        return self.message(ask=self.asked)[0]
-
-    def error(self, **content):
-        self.asked += 1
-        self.session.receive({**content, "ask": self.asked})
-        return self.message(kind="error", ask=self.asked)[0]["text"]
 
 
 @pytest.fixture
@@ -77,13 +35,6 @@ def test_a_page_is_told_the_scene_and_a_first_state(page):
     message, levels = page.picture({**state, "id": 1, "method": "scatter"})
     assert levels.shape == (flat.HEIGHT, flat.WIDTH, 3)
     assert message["legend"] is None
-
-
-def test_pictures_are_those_of_the_method(page):
-    for number, (method, settings) in enumerate([("scatter", {}), ("lensblur", {"samples": 64})], 1):
-        _, levels = page.picture(flat.state(number, method=method, lens_focus=flat.FAR))
-        view = View(flat.scene(), flat.scene().camera, flat.scene().lens.__class__(0.1, flat.FAR))
-        np.testing.assert_array_equal(levels, to_8_bit(render_view(method, view, **settings).image))
 
 
 def test_while_something_moves_there_is_a_coarse_picture_only(page):
@@ -143,21 +94,6 @@ def test_overlays_show_what_is_known(page):
         if overlay == "focus":  # orange where it is in focus
             assert left[0] > left[2] + 100
             assert right[2] > right[0]
-
-
-def test_the_error_is_the_difference_to_the_reference(page):
-    message, levels = page.picture(flat.state(1, overlay="error", method="singlepass"), "reference")
-    assert "beside 16 lens samples" in message["legend"]["unit"]
-    edge, away = levels[:, 30:34].astype(int).sum(), levels[:, :20].astype(int).sum()
-    assert edge > 0
-    assert away == 0  # a card of one colour in focus
-    # The first block is the reference of seed 0 with 16 samples; the worst difference has the scale's last colour.
-    truth = reference(flat.scene(), samples=16, seed=0).image
-    image = render_view("singlepass", View(flat.scene(), flat.scene().camera, flat.scene().lens)).image
-    error = np.abs(display(image).astype(np.float64) - display(truth))
-    root = float(message["legend"]["unit"].split("RMSE ")[1].split()[0])
-    assert root == pytest.approx(np.sqrt(np.mean(error**2)), abs=1e-4)  # four digits are shown
-    assert (levels.sum(axis=2)[error.max(axis=2) == 0.0] == 0).all()
 
 
 def test_the_command_makes_the_saved_picture_once_more(tmp_path, monkeypatch):

@@ -43,11 +43,13 @@ function pictureView(studio) {
     readout.textContent = words.join(" \u00b7 ");
   };
 
-  studio.placeCross = (place) => {
+  studio.placeCross = (place, seen = true) => {
     studio.cross = place;
-    crosshair.hidden = place === null;
-    if (place) position(crosshair, ...place);
+    crosshair.hidden = !seen;
+    position(crosshair, place[0] + 0.5, place[1] + 0.5);
   };
+
+  studio.hideCross = () => { crosshair.hidden = true; };
 
   // The pixel of the fine picture under the mouse, or null outside.
   studio.pixelOf = (event) => {
@@ -128,7 +130,7 @@ function pictureView(studio) {
   studio.refreshers.push(() => {
     const [width, height] = studio.state.size;
     stage.style.setProperty("--ratio", width / height);
-    if (studio.cross) studio.placeCross([Math.min(studio.cross[0], width - 1), Math.min(studio.cross[1], height - 1)]);
+    if (studio.cross) studio.placeCross([Math.min(studio.cross[0], width - 1), Math.min(studio.cross[1], height - 1)], !crosshair.hidden);
     drawMarkers();
   });
   studio.say(summary);

@@ -21,6 +21,7 @@ function pointing(studio) {
   studio.listen(stage, "pointerdown", (event) => {
     if (!studio.state) return;
     canvas.focus({preventScroll: true});
+    studio.placeCross(studio.pixelOf(event) ?? studio.cross ?? [0, 0], false);
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
     try { stage.setPointerCapture(event.pointerId); } catch { /* the pointer is gone already */ }
     const what = kindOf(event);

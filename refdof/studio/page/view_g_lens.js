@@ -4,8 +4,7 @@ const OVERLAYS = {
   none: "the picture", coc: "circle of confusion", focus: "what is in focus", depth: "depth", layers: "layers", error: "error",
 };
 const KINDS = {
-  thin: "thin lens", plane: "tilt-shift: a plane through the points", distance: "one distance for all points",
-  surface: "focal surface through the points", file: "real lens from a file",
+  thin: "thin lens", plane: "tilt-shift plane", distance: "one distance", surface: "focal surface", file: "lens file",
 };
 const ANGLE = Math.PI / 24;  // radians that a button or an arrow key turns by
 const SHIFT = 0.05;  // picture heights that they move by

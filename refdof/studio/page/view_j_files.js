@@ -8,6 +8,7 @@ function filesPanel(studio, root) {
   const chooser = make("input", {type: "file", "aria-label": "A mesh from this computer"});
   const command = make("textarea", {className: "command", readOnly: true, rows: 3, hidden: true, spellcheck: false, "aria-label": "Command line"});
   const done = make("p", {className: "hint", role: "status"});
+  const opener = button(studio, "Open", open);
   let shownFor = null;
 
   async function open() {
@@ -85,15 +86,19 @@ function filesPanel(studio, root) {
   });
 
   studio.refreshers.push(() => {
+    const none = "no files in the folder";
     const {scenes = [], lenses = [], focus = []} = studio.scene.files ?? {}, kept = list.value;
     const group = (label, names) => ({label, options: names.map((one) => [one, one])});
-    setOptions(list, [group("Built in", studio.scene.scenes ?? []), group("Scenes", scenes), group("Lenses", lenses), group("Focus points", focus)].filter((one) => one.options.length));
+    const groups = [group("Built in", studio.scene.scenes ?? []), group("Scenes", scenes), group("Lenses", lenses), group("Focus points", focus)];
+    const filled = groups.filter((one) => one.options.length);
+    setOptions(list, filled.length ? filled : [["", none]]);
     if (kept) list.value = kept;
     if (list.selectedIndex < 0) list.selectedIndex = 0;
+    opener.disabled = list.value === "";
     if (shownFor !== null && shownFor !== studio.state.id) command.hidden = true;
   });
   return section("Files",
-    make("div", {className: "tools open"}, list, button(studio, "Open", open)),
+    make("div", {className: "tools open"}, list, opener),
     row("Or drop a mesh here", chooser),
     row("Name", name),
     make("div", {className: "tools"}, button(studio, "Save focus.toml", () => save("focus", ".toml")),

@@ -28,8 +28,8 @@ const STEP = 0.02;  // of the picture's height: what an arrow moves the crosshai
 function keyboard(studio, root) {
   const table = (rows) => make("dl", {}, ...rows.flatMap(([keys, text]) => [make("dt", {textContent: keys}), make("dd", {textContent: text})]));
   const help = make("dialog", {className: "help", "aria-label": "Keys and mouse"},
-    make("h3", {textContent: "Keys on the picture"}), table(HELP), make("h3", {textContent: "Mouse"}), table(MOUSE),
-    button(studio, "Close", () => help.close()));
+    button(studio, "Close", () => help.close()), make("h3", {textContent: "Keys on the picture"}), table(HELP),
+    make("h3", {textContent: "Mouse"}), table(MOUSE));
   const open = () => { if (!help.open) help.showModal(); };
   root.append(help);
 
@@ -75,7 +75,7 @@ function keyboard(studio, root) {
       " ": () => studio.playOrPause(),
       "+": () => studio.zoomBy(NEARER), "=": () => studio.zoomBy(NEARER), "-": () => studio.zoomBy(1 / NEARER),
       f: () => setMode("focus"), o: () => setMode("orbit"), p: () => setMode("pan"),
-      Escape: () => studio.placeCross(null),
+      Escape: () => studio.hideCross(),
       "?": open,
     }[key];
   }
@@ -91,6 +91,6 @@ function keyboard(studio, root) {
   studio.listen(studio.canvas, "focus", () => {
     if (studio.state && studio.canvas.matches(":focus-visible")) studio.placeCross(cross());
   });
-  studio.listen(studio.canvas, "blur", () => studio.placeCross(null));
+  studio.listen(studio.canvas, "blur", () => studio.hideCross());
   return button(studio, "Keys", open, {"aria-label": "Keys and mouse"});
 }
