@@ -103,6 +103,15 @@ def optics(rows):
         yield Line(what, row["ns"], "ns", thin, "the thin lens", row["target"])
 
 
+def studio(rows):
+    for row in rows["rows"]:
+        for step in ("coarse", "fine"):
+            goal = rows[f"{step}_target_s"]
+            yield Line(
+                f"studio, {row['what']}, {step}", row[f"{step}_s"], "s", goal, "the goal of the first click", 1.0
+            )
+
+
 def memory(rows):
     for row in rows:
         yield Line(f"memory at 1920x1080, {row['name']}", row["peak_mib"][-1], "MiB", LIMIT_MIB, "the goal", 1.0)
@@ -119,6 +128,7 @@ RUNS = {
         for scene in ("figures", "fence", "foliage")
     },
     "optics": ("optics.py", [], optics),
+    "studio": ("studio.py", [], studio),
     "memory": ("memory.py", [], memory),
 }
 
