@@ -1,5 +1,7 @@
 """The command `refdof studio`: a scene in the browser, where a click says what shall be sharp."""
 
+import os
+import sys
 import webbrowser
 from pathlib import Path
 from typing import Annotated
@@ -46,4 +48,6 @@ def studio(
         if not no_open:
             webbrowser.open(url)
 
-    serve(load_scene(scene), scene, Path.cwd(), port, threads, ready)
+    if not serve(load_scene(scene), scene, Path.cwd(), port, threads, ready):
+        sys.stdout.flush()
+        os._exit(0)  # without waiting for what compiles: all files are closed

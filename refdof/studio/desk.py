@@ -45,12 +45,13 @@ class Desk:
         """Forget the requests of `who`."""
         self.ask(who, lambda _: iter(()))
 
-    def close(self, seconds: float = 2.0) -> None:
-        """End the thread after the step it is in; wait for that so long."""
+    def close(self, seconds: float = 0.5) -> bool:
+        """End the thread after the step it is in; wait for that so long. True if it has ended."""
         with self._changed:
             self._closed = True
             self._changed.notify()
         self._thread.join(seconds)
+        return not self._thread.is_alive()
 
     def _work(self) -> None:
         if self._threads is not None:

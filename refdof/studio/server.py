@@ -47,8 +47,8 @@ _HEADERS = {
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 
 
-def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, ready: Callable[[str], None]) -> None:
-    """Serve until Ctrl-C.
+def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, ready: Callable[[str], None]) -> bool:
+    """Serve until Ctrl-C. True if nothing works on: what compiles cannot be stopped.
 
     Parameters
     ----------
@@ -95,8 +95,9 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
             with contextlib.suppress(KeyboardInterrupt):
                 uvicorn.Server(config).run(sockets=[listening])
         finally:
-            desk.close()
+            ended = desk.close()
             listening.close()
+    return ended
 
 
 def application(desk: Desk, folder: Folder, scene: Scene, name: str, token: str, port: int) -> Starlette:
