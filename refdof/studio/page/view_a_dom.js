@@ -24,6 +24,7 @@ function section(title, ...children) {
 
 // A label and its control on one line.
 function row(label, ...controls) {
+  controls[0].setAttribute("aria-label", label);  // the options of a select are no part of its name
   return make("label", {className: "row"}, make("span", {className: "name", textContent: label}), ...controls);
 }
 

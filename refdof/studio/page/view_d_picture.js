@@ -106,6 +106,7 @@ function pictureView(studio) {
     }
     drawPicture(content, buffers);
     Object.assign(node.dataset, {id, step});
+    node.setAttribute("aria-busy", String(id !== studio.state.id || (step === "coarse" && !studio.state.moving)));
     if (id > faulty) alert.textContent = "";
     const words = [studio.state.method, `${width} \u00d7 ${height}`, seconds(time ?? 0)];
     if (step === "coarse") words.push(studio.state.moving ? "coarse" : "coarse, the fine one follows");
@@ -129,6 +130,8 @@ function pictureView(studio) {
 
   studio.refreshers.push(() => {
     const [width, height] = studio.state.size;
+    node.dataset.wanted = studio.state.id;
+    node.setAttribute("aria-busy", String(studio.shown.id !== studio.state.id));
     stage.style.setProperty("--ratio", width / height);
     if (studio.cross) studio.placeCross([Math.min(studio.cross[0], width - 1), Math.min(studio.cross[1], height - 1)], !crosshair.hidden);
     drawMarkers();
