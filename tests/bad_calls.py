@@ -408,6 +408,7 @@ DOORS: dict[str, Door] = {
     "refdof.stages.Stages": Door(refdof.Stages, {"steps": (1, 2), "pixels": ((0, 1),)}),
     "refdof.view.View": Door(View, _SHOT),
     "refdof.view.View.with_lens": Door(lambda **words: _view().with_lens(**words), {"lens": LENS}),
+    "refdof.view.View.with_size": Door(lambda **words: _view().with_size(**words), {"size": (32, 24)}),
     "refdof.focus.point.FocusPoint": Door(
         FocusPoint,
         {
@@ -665,6 +666,16 @@ INNER |= {
     *(f"refdof.methods.lensblur.method.{word}" for word in ("Prepared", "prepare", "trace")),
     *(f"refdof.methods.multiview.method.{word}" for word in ("Prepared", "prepare", "send_rays")),
 }
+INNER |= {  # their input is checked in tests/studio: it comes from a page
+    f"refdof.studio{word}"
+    for word in (
+        ".command.command_of", ".desk.Desk", ".folder.Folder", ".notebook.StudioWidget", ".overlays.Legend",
+        ".overlays.draw_overlay", ".overlays.error_map", ".page.page_file", ".page.view_module", ".pictures.Picture",
+        ".pictures.Pictures", ".pictures.settings_of_method", ".server.application", ".server.serve",
+        ".session.Session", ".state.LensSetting", ".state.State", ".state.parse_state", ".state.point_as_json",
+        ".state.state_as_json", ".widget", "_cli.add_studio",
+    )
+}  # fmt: skip
 INNER |= {f"{module.render.__module__}.{word}" for module in METHODS.values() for word in ("render", "texture_reads")}
 
 SCALARS = [

@@ -90,9 +90,9 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
             timeout_graceful_shutdown=1,
             server_header=False,
         )
-        ready(f"http://127.0.0.1:{port}/?token={token}")
         try:
             with contextlib.suppress(KeyboardInterrupt):
+                ready(f"http://127.0.0.1:{port}/?token={token}")
                 uvicorn.Server(config).run(sockets=[listening])
         finally:
             ended = desk.close()
