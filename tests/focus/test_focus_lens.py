@@ -224,6 +224,17 @@ def test_aperture_scale_is_a_smaller_lens():
     np.testing.assert_allclose(circle, float(ThinLens(LENS.radius / 2.0, 3.0).coc_px(12.0, CAMERA)), rtol=1e-9)
 
 
+def test_with_size_shares_triangles_and_makes_all_else_anew():
+    view = two_cards()
+    view.layers(1)
+    tracer = view.tracer()
+    other, fresh = view.with_size((37, 21)), View(view.scene, CAMERA.with_size((37, 21)), LENS)
+    assert other.tracer() is tracer
+    assert other.camera == fresh.camera
+    for mine, its in zip(other.layers(None), fresh.layers(None), strict=True):
+        np.testing.assert_array_equal(mine, its)
+
+
 def test_with_lens_shares_what_a_lens_does_not_change():
     view = two_cards()
     render("lensblur", view.scene, CAMERA, view.lens, samples=4)
