@@ -9,27 +9,31 @@ Conventions, everywhere:
 - A lens sample v (unit disc, x right, y up) sees a point of circle c displaced by +c v, y up.
 """
 
-from refdof import metrics
-from refdof._check import InputError
-from refdof.methods import METHODS
-from refdof.optics.aperture import Aperture
-from refdof.optics.camera import Camera
-from refdof.optics.expressive_lens import ExpressiveLens
-from refdof.optics.lens import ThinLens
-from refdof.optics.lens_samples import lens_samples
-from refdof.optics.systems.height_lens import HeightLens
-from refdof.optics.systems.prescription import load_lens
-from refdof.optics.systems.system import LensSystem, ThickLens
-from refdof.optics.systems.system_lens import SystemLens
-from refdof.rendering import Result, render
-from refdof.scene.builtin import SCENES
-from refdof.scene.load import load_scene
-from refdof.scene.material import Light, Material
-from refdof.scene.scene import Part, Scene
-from refdof.stages import Stages
-from refdof.truth.forecast import Forecast, forecast
-from refdof.truth.reference import Reference, reference
-from refdof.view import View
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from refdof import metrics
+    from refdof._check import InputError
+    from refdof.methods import METHODS
+    from refdof.optics.aperture import Aperture
+    from refdof.optics.camera import Camera
+    from refdof.optics.expressive_lens import ExpressiveLens
+    from refdof.optics.lens import ThinLens
+    from refdof.optics.lens_samples import lens_samples
+    from refdof.optics.systems.height_lens import HeightLens
+    from refdof.optics.systems.prescription import load_lens
+    from refdof.optics.systems.system import LensSystem, ThickLens
+    from refdof.optics.systems.system_lens import SystemLens
+    from refdof.rendering import Result, render
+    from refdof.scene.builtin import SCENES
+    from refdof.scene.load import load_scene
+    from refdof.scene.material import Light, Material
+    from refdof.scene.scene import Part, Scene
+    from refdof.stages import Stages
+    from refdof.truth.forecast import Forecast, forecast
+    from refdof.truth.reference import Reference, reference
+    from refdof.view import View
 
 __version__ = "0.1.0"
 
@@ -62,3 +66,46 @@ __all__ = [
     "reference",
     "render",
 ]
+
+# Numba and Embree are slow to import: what nobody asks for, such as a command's help, does not wait for them.
+_HOMES = {
+    "Aperture": "optics.aperture",
+    "Camera": "optics.camera",
+    "ExpressiveLens": "optics.expressive_lens",
+    "Forecast": "truth.forecast",
+    "HeightLens": "optics.systems.height_lens",
+    "InputError": "_check",
+    "LensSystem": "optics.systems.system",
+    "Light": "scene.material",
+    "METHODS": "methods",
+    "Material": "scene.material",
+    "Part": "scene.scene",
+    "Reference": "truth.reference",
+    "Result": "rendering",
+    "SCENES": "scene.builtin",
+    "Scene": "scene.scene",
+    "Stages": "stages",
+    "SystemLens": "optics.systems.system_lens",
+    "ThickLens": "optics.systems.system",
+    "ThinLens": "optics.lens",
+    "View": "view",
+    "forecast": "truth.forecast",
+    "lens_samples": "optics.lens_samples",
+    "load_lens": "optics.systems.prescription",
+    "load_scene": "scene.load",
+    "reference": "truth.reference",
+    "render": "rendering",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("methods", "metrics"):
+        return import_module(f"refdof.{name}")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'refdof' has no attribute {name!r}")
+    globals()[name] = value = getattr(import_module(f"refdof.{_HOMES[name]}"), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

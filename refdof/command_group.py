@@ -1,67 +1,99 @@
-"""The group of all commands: those of the oracle, explanations, lenses, focus and the studio are added when called."""
+"""The group of all commands: each is imported when it is called; the help lists them without any import."""
 
-from collections.abc import Callable
-from typing import Any
+from importlib import import_module
+from typing import Any, NamedTuple
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 from typer.main import get_group
 
-__all__ = ["Commands"]
+__all__ = ["COMMANDS", "Commands"]
+
+
+class Home(NamedTuple):
+    """Where a command is made, `refdof.MODULE.ADDER`, and the first line of its help."""
+
+    module: str
+    adder: str
+    help: str
+
+
+COMMANDS: dict[str, Home] = {
+    "scenes": Home("listing_cli", "add_listing", "List the built-in scenes and what each one shows."),
+    "methods": Home(
+        "listing_cli",
+        "add_listing",
+        "List the methods: sources, inputs, texture reads, parameters.",
+    ),
+    "render": Home("main_cli", "add_main", "Render a scene with one method."),
+    "export": Home(
+        "main_cli",
+        "add_main",
+        "Write what a port starts from, and is compared with.",
+    ),
+    "compare": Home(
+        "main_cli",
+        "add_main",
+        "Compare methods with a reference: table, images and report.",
+    ),
+    "warm": Home(
+        "main_cli",
+        "add_main",
+        "Compile everything now, so that later runs start at once.",
+    ),
+    "explain": Home(
+        "explain_cli",
+        "add_explain",
+        "Explain a pixel: every tap, ray, layer and weight that made it.",
+    ),
+    "golden": Home(
+        "oracle_cli",
+        "add_commands",
+        "Write a pack of cases to check another implementation with.",
+    ),
+    "check": Home(
+        "oracle_cli",
+        "add_commands",
+        "Check another implementation against a pack.",
+    ),
+    "diagnose": Home(
+        "oracle_cli",
+        "add_commands",
+        "Say what is wrong with a port of singlepass.",
+    ),
+    "lens": Home(
+        "lens_cli",
+        "add_lens",
+        "Measure a lens, and draw it with --out.",
+    ),
+    "pick": Home("focus_cli", "add_focus", "Print the focus point under a pixel, ready for a focus.toml."),
+    "focus": Home("focus_cli", "add_focus", "Render one or more frames with a lens that follows focus points."),
+    "studio": Home(
+        "studio_cli",
+        "add_studio",
+        "Open a scene in the browser: click to focus.",
+    ),
+}
 
 
 class Commands(TyperGroup):
-    """Commands by name; who asks for the list of all gets all of them."""
+    """Commands by name."""
 
     def list_commands(self, context: Any) -> list[str]:
         """The names of all commands, in the order of the help."""
-        self._add_oracle()
-        self._add_explain()
-        self._add_lens()
-        self._add_focus()
-        self._add_studio()
-        return super().list_commands(context)
+        return list(COMMANDS)
 
     def get_command(self, context: Any, name: str) -> Any:
-        """The command of a name, or None."""
-        if name == "explain":
-            self._add_explain()
-        elif name == "lens":
-            self._add_lens()
-        elif name in ("focus", "pick"):
-            self._add_focus()
-        elif name == "studio":
-            self._add_studio()
-        elif name not in self.commands:
-            self._add_oracle()
-        return super().get_command(context, name)
+        """The command of a name, or None; one that was not called yet is its name and help only."""
+        if name in self.commands or name not in COMMANDS:
+            return self.commands.get(name)
+        return TyperCommand(name, help=COMMANDS[name].help, rich_markup_mode=None)
 
-    def _add_oracle(self) -> None:
-        from refdof.oracle_cli import add_commands
-
-        self._add(add_commands)
-
-    def _add_explain(self) -> None:
-        from refdof.explain_cli import add_explain
-
-        self._add(add_explain)
-
-    def _add_lens(self) -> None:
-        from refdof.lens_cli import add_lens
-
-        self._add(add_lens)
-
-    def _add_focus(self) -> None:
-        from refdof.focus_cli import add_focus
-
-        self._add(add_focus)
-
-    def _add_studio(self) -> None:
-        from refdof.studio_cli import add_studio
-
-        self._add(add_studio)
-
-    def _add(self, add: Callable[[typer.Typer], None]) -> None:
-        more = typer.Typer()
-        add(more)
-        self.commands = {**self.commands, **get_group(more).commands}
+    def resolve_command(self, context: Any, args: list[str]) -> Any:
+        """The command that is called, and its arguments."""
+        home = COMMANDS.get(args[0]) if args else None
+        if home is not None and args[0] not in self.commands:
+            more = typer.Typer(rich_markup_mode=None)
+            getattr(import_module(f"refdof.{home.module}"), home.adder)(more)
+            self.commands = {**self.commands, **get_group(more).commands}
+        return super().resolve_command(context, args)

@@ -83,7 +83,9 @@ def explain(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Explain a pixel: every tap, ray, layer and weight that made it, and their sum beside the method's value.
+    """Explain a pixel: every tap, ray, layer and weight that made it.
+
+    Their sum stands beside the method's value.
 
     The exit status is 1 if the table's sum is not the method's value.
     """

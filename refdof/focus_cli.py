@@ -91,7 +91,7 @@ def focus(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Render a scene, or a sequence of frames, with a lens that follows focus points."""
+    """Render one or more frames with a lens that follows focus points."""
     set_threads(threads)
     if file_format not in _FORMATS:
         raise InputError(f"format: got {file_format!r}; allowed are {', '.join(_FORMATS)}")

@@ -38,7 +38,10 @@ def lens(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure a lens: focal length, f-number, T-stop, pupils, field, vignetting, distortion; draw it with --out."""
+    """Measure a lens, and draw it with --out.
+
+    Focal length, f-number, T-stop, pupils, field of view, vignetting and distortion.
+    """
     set_threads(threads)
     distance = 1000.0 * as_number("focus", focus, above=0.0, finite=False)
     if out is not None:

@@ -33,7 +33,9 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def methods(as_json: AsJson = False) -> None:
-    """List the methods: source, inputs, texture reads per pixel, parameters, and those that the paper sets differently.
+    """List the methods: sources, inputs, texture reads, parameters.
+
+    It also tells where a method's paper sets other parameters.
 
     Texture reads are counted for the image size of the default scene.
     """

@@ -69,7 +69,9 @@ def golden(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write a pack: inputs and results, with bounds and tolerances, to check another implementation with.
+    """Write a pack of cases to check another implementation with.
+
+    A case has inputs and results, with bounds and tolerances.
 
     A port needs the pack only, not refdof: its README says what to read and what to write.
     """
@@ -111,7 +113,10 @@ def check(
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
     junit_file: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Also write JUnit's XML.")] = None,
 ) -> None:
-    """Check another implementation against a pack. The exit status is 0 if cases were compared and none failed."""
+    """Check another implementation against a pack.
+
+    The exit status is 0 if cases were compared and none failed.
+    """
     if impl is None:
         refuse_ignored("without --impl", "with it", given=given)
     plan = Plan(
@@ -157,7 +162,9 @@ def diagnose(
     timeout: Timeout = None,
     json_file: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write all findings.")] = None,
 ) -> None:
-    """Say what is wrong with a port of singlepass: its taps and weights, and the mistake that gives its output.
+    """Say what is wrong with a port of singlepass.
+
+    It names taps and weights, and the mistake that gives the port's output.
 
     The exit status is 0 if nothing is.
     """

@@ -30,9 +30,9 @@ def studio(
     no_open: Annotated[bool, typer.Option("--no-open", help="Print the page's URL only; open no browser.")] = False,
     threads: Threads = None,
 ) -> None:
-    """Open a scene in the browser: click to focus, tilt, blur, play keyframes. Ctrl-C ends it.
+    """Open a scene in the browser: click to focus.
 
-    Files of the current folder may be opened and written, no others.
+    Files of the current folder may be opened and written, no others. Ctrl-C ends it.
     """
     port = as_integer("port", port, minimum=0, maximum=65535)
     threads = None if threads is None else as_integer("threads", threads, minimum=1)

@@ -1,0 +1,251 @@
+"""The commands `refdof render | export | compare | warm`: pictures of a scene, how near they are to the reference."""
+
+import json
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from refdof._check import InputError, as_choice
+from refdof.compare import compare as compare_scene
+from refdof.compare import warming_up
+from refdof.comparison import Comparison
+from refdof.export import export_view, save_stages, with_declared_stages
+from refdof.image.arrays import check_arrays_folder
+from refdof.image.atomic import check_folder
+from refdof.image.file import SUFFIXES, save_image
+from refdof.listing_cli import in_words
+from refdof.methods import METHODS
+from refdof.options import (
+    DEFAULT_SCENE,
+    PRESET_HELP,
+    AsJson,
+    Eye,
+    FNumber,
+    Focus,
+    FocusPoints,
+    Fov,
+    Lens,
+    MethodSettings,
+    Most,
+    NoVignetting,
+    Preset,
+    Probes,
+    Radius,
+    Samples,
+    Seed,
+    Settings,
+    Size,
+    Steps,
+    Target,
+    Threads,
+    Tolerance,
+    Up,
+    Wavelengths,
+    listed,
+    refuse_ignored,
+    sample_counts,
+    set_threads,
+    settings_by_method,
+    settings_of,
+    stages_of,
+)
+from refdof.progress import progress_line
+from refdof.rendering import PRESETS, make_params, render_view
+from refdof.report import markdown_table, rows_as_json, write_comparisons
+from refdof.scene.builtin import SCENES
+from refdof.shot import CameraChoice, LensChoice, lens_of_points, scene_camera_lens
+from refdof.truth.forecast import Forecast
+from refdof.view import View
+from refdof.warm import REFERENCE, is_warm, job_of
+from refdof.warm import warm as compile_jobs
+
+__all__ = ["add_main"]
+
+
+def add_main(app: typer.Typer) -> None:
+    """Give `app` the commands."""
+    for command in (render, export, compare, warm):
+        app.command()(command)
+
+
+def render(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    method: Annotated[str, typer.Option("--method", help="Method name, see `refdof methods`.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Output file: .png (display), .exr or .npy (linear).")],
+    settings: Settings = None,
+    preset: Preset = "best",
+    size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Same as --set seed=N.")] = None,
+    samples: Annotated[int | None, typer.Option("--samples", help="Same as --set samples=N.")] = None,
+    stages: Annotated[
+        Path | None,
+        typer.Option("--stages", metavar="DIR", help="Also write the stages into this folder, a new one."),
+    ] = None,
+    steps: Steps = None,
+    pixel: Probes = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Render a scene with one method."""
+    set_threads(threads)
+    if stages is None:
+        refuse_ignored("without --stages", "with it", steps=steps, pixel=pixel)
+    if output.suffix.lower() not in SUFFIXES:
+        raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
+    check_folder(output.parent, "output")
+    if stages is not None:
+        check_arrays_folder(stages, "stages")
+    params = settings_of(settings or [], seed=seed, samples=samples)
+    make_params(method, params, preset)
+    wanted = stages_of(steps, pixel, [method])
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    with warming_up([(method, preset)] if scene in SCENES else []):
+        loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+    result = render_view(method, view, wanted if stages is not None else False, preset, **params)
+    if stages is not None:
+        save_stages(method, view, result, stages)
+    save_image(output, result.image)
+    facts = {
+        "output": str(output),
+        **({} if stages is None else {"stages": str(stages)}),
+        **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()},
+    }
+    print(json.dumps(facts) if as_json else in_words(facts))
+
+
+def export(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="A new folder, or an earlier export.")],
+    methods: Annotated[
+        str | None,
+        typer.Option("--methods", metavar="A,B,C", help="Methods to run. Default: those that declare their stages."),
+    ] = None,
+    settings: MethodSettings = None,
+    layers: Annotated[int, typer.Option("--layers", help="Surfaces per pixel.")] = 4,
+    steps: Steps = None,
+    pixel: Probes = None,
+    size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write what a port starts from, and is compared with.
+
+    That is pinhole colour, depth, circles of confusion, layers, and the stages of methods.
+
+    Each array is written as NPY and as raw little-endian numbers; arrays.json tells shapes, units and conventions.
+    """
+    set_threads(threads)
+    names = listed(methods) if methods is not None else with_declared_stages()
+    for name in names:
+        as_choice("method", name, METHODS)
+    wanted = stages_of(steps, pixel, names)
+    params = settings_by_method(settings or [], names, ["best"])
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+    export_view(view, out, names, params, layers, wanted)
+    facts = {"out": str(out), "methods": ",".join(names)}
+    print(json.dumps(facts) if as_json else in_words(facts))
+
+
+def compare(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENE", help=f"Built-in scenes or mesh files. Default: {DEFAULT_SCENE}."),
+    ] = None,
+    methods: Annotated[
+        str | None, typer.Option("--methods", metavar="A,B,C", help="Methods to compare. Default: all.")
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="DIR", help="Output folder for table, images and report; made if it is missing."),
+    ] = Path("out"),
+    settings: MethodSettings = None,
+    preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=PRESET_HELP)] = "best",
+    size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
+    seed: Seed = 0,
+    samples: Samples = None,
+    tolerance: Tolerance = None,
+    max_samples: Most = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare methods with a reference: table, images and report."""
+    set_threads(threads)
+    samples, max_samples = sample_counts(samples, tolerance, max_samples)
+    check_folder(out)
+    names = listed(methods) if methods is not None else list(METHODS)
+    presets = listed(preset)
+    params = settings_by_method(settings or [], names, presets)
+    seen = CameraChoice(size, eye, target, up, fov)
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    comparisons: list[Comparison] = []
+    soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
+    if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
+        soon = []  # compiled in parallel processes, by `compare_scene`
+    with progress_line() as tell:
+        for name in scenes or [DEFAULT_SCENE]:
+            with warming_up(soon if name in SCENES and not comparisons else []):
+                scene, camera, lens = scene_camera_lens(name, seen, chosen)
+            lens = lens_of_points(focus_points, scene, camera, lens, chosen)
+            shot = camera, lens, samples, tolerance, seed
+            comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
+        tell("report", 0, 1)
+        write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
+    if as_json:
+        tables = [rows_as_json(comparison) for comparison in comparisons]
+        print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
+    else:
+        print(markdown_table(comparisons))
+
+
+def warm() -> None:
+    """Compile everything now, so that later runs start at once.
+
+    It is for container images and CI.
+    """
+    with progress_line() as tell:
+        compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
+
+
+def _announce(forecast: Forecast) -> None:
+    print(f"refdof: reference: {forecast}", file=sys.stderr)
