@@ -69,6 +69,7 @@ HEEDED = {
     "diagnose": "pack results impl shader case json",
     "explain": "pixel stage out threads json",
     "lens": "focus out threads json",
+    "studio": "port no-open threads",
     "pick": "pixel size eye target up fov name json",
     "focus": "points method output frames format set preset size eye target up fov lens-radius threads json",
 }
@@ -108,7 +109,7 @@ def test_every_option_is_heeded_or_refused():
     """So that a new option comes into one of the tables."""
     group = typer.main.get_command(app)
     for name in group.list_commands(None):
-        command = group.get_command(None, name)
+        _, command, _ = group.resolve_command(None, [name])
         options = {word[2:] for part in command.params for word in part.opts if word.startswith("--")}
         sometimes = {option for words, option, *_ in REFUSED if words[0] == name}
         assert options - {"help"} == sometimes | set(HEEDED[name].split()), name
