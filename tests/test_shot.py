@@ -85,7 +85,8 @@ def test_the_nearest_command_of_a_report_has_its_camera():
     camera = Camera((0.1, -2.0 / 3.0, 7.0), (1e-3, 0.0, -0.0), (0.0, 1.0, 1.0 / 7.0), 100.0 / 3.0, (40, 30))
     program, command, *words = shlex.split(rows_as_json(replace(comparison(), camera=camera))["command"])
     assert (program, command) == ("refdof", "compare")
-    told = typer.main.get_command(app).get_command(None, "compare").make_context("compare", words).params
+    _, command, _ = typer.main.get_command(app).resolve_command(None, ["compare"])
+    told = command.make_context("compare", words).params
     choice = CameraChoice(**{name: told[name] for name in ("size", "eye", "target", "up", "fov")})
     assert scene_camera_lens(told["scenes"][0], choice)[1] == camera
 
