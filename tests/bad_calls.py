@@ -219,7 +219,7 @@ DOORS: dict[str, Door] = {
             "aperture_scale": ((0.5, 1.0),),
             "aperture": Aperture.disc(),
         },
-        {"focus_distance": ("focal_length",), "focal_length": ("image_offset",)},
+        {"focus_distance": ("focal_length",), "focal_length": ("image_offset", "focal_surface")},
     ),
     "refdof.optics.expressive_lens.ExpressiveLens.coc_px": Door(EXPRESSIVE.coc_px, {"depth": DEPTH, "camera": CAMERA}),
     "refdof.optics.expressive_lens.ExpressiveLens.inverse_focus": Door(EXPRESSIVE.inverse_focus, {"camera": CAMERA}),
@@ -418,6 +418,7 @@ DOORS: dict[str, Door] = {
             "aperture": 0.5,
             "weight": 2.0,
             "falloff": 3.0,
+            "image_offset": 0.001,
             "keep": False,
             "name": "door",
         },
@@ -426,7 +427,16 @@ DOORS: dict[str, Door] = {
     "refdof.focus.point.pick": Door(
         pick, {"view": _view(), "pixel": tuple(size // 2 for size in CAMERA.size), "name": "door"}, any_result=True
     ),
-    "refdof.focus.focus_lens.Focus": Door(Focus, {"points": (POINT,), "kind": "surface", "focal_length": 0.05}),
+    "refdof.focus.focus_lens.Focus": Door(
+        Focus,
+        {
+            "points": (POINT,),
+            "kind": "surface",
+            "focal_length": 0.05,
+            "power": ((0.0, 1.0), (1.0, 1.02)),
+            "ray_weights": ((0.0, 0.5), (1.0, 2.0)),
+        },
+    ),
     "refdof.focus.focus_lens.focus_lens": Door(
         focus_lens, {"focus": Focus((POINT,)), "view": _view(), "frame": 0.0}, {"frame": ("points", "triangle")}
     ),
@@ -567,7 +577,7 @@ INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
-    "focus.focus_file", "focus.moving_least_squares", "focus_cli", "listing_cli",
+    "focus.aperture_spline", "focus.focus_file", "focus.keys", "focus.moving_least_squares", "focus_cli", "listing_cli",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",

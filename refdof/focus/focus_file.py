@@ -1,7 +1,9 @@
 """focus.toml: focus points in a file, read strictly, and written.
 
 kind = "surface"           # or "plane" (tilt-shift), or "distance"
-focal_length = 0.05        # [scene units], may be left out
+focal_length = 0.05        # [scene units]: this and all below may be left out
+power = [[0.0, 1.0], [1.0, 1.02]]        # by the share of the lens radius
+ray_weights = [[0.0, 0.5], [1.0, 3.0]]   # the same
 
 [[point]]
 name = "statue"            # may be left out
@@ -9,8 +11,9 @@ triangle = 1203
 barycentrics = [0.2, 0.5, 0.3]
 offset = 0.0               # [scene units]: this and all below may be left out
 aperture = 1.0
-weight = [[0, 1.0], [24, 0.0]]   # or keyframes, as of offset and aperture: [frame, value]
+weight = [[0, 1.0], [24, 0.0]]   # or keyframes, as of offset, aperture and image_offset: [frame, value]
 falloff = 3.0
+image_offset = 0.0         # [scene units, on the image's side]
 keep = false
 """
 
@@ -28,6 +31,7 @@ __all__ = ["focus_text", "load_focus", "parse_focus", "point_text", "save_focus"
 
 _MOST_BYTES = 10_000_000
 _NEEDED = ("triangle", "barycentrics")
+_OF_LENS = ("kind", "focal_length", "power", "ray_weights")
 _OPTIONAL = tuple(field.name for field in fields(FocusPoint) if field.name not in _NEEDED)
 
 
@@ -56,7 +60,7 @@ def load_focus(path: str | Path, argument: str = "focus-points") -> Focus:
 def parse_focus(file: str, text: str) -> Focus:
     """The focus of a file's text; `file` is its name in errors. It raises as `load_focus` does."""
     table = parse(file, text, "focus points")
-    check_keys(file, table, ("point",), ("kind", "focal_length"))
+    check_keys(file, table, ("point",), _OF_LENS)
     given = table["point"]
     if not isinstance(given, list) or not all(isinstance(point, dict) for point in given):
         raise InputError(f"{file}: point: got no tables; allowed are tables [[point]]")
@@ -68,7 +72,7 @@ def parse_focus(file: str, text: str) -> Focus:
         except InputError as error:
             raise InputError(f"{file}: point {number}: {error}") from None
     try:
-        return Focus(tuple(points), table.get("kind", "surface"), table.get("focal_length"))
+        return Focus(tuple(points), **{name: table[name] for name in _OF_LENS if name in table})
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
 
@@ -82,8 +86,8 @@ def save_focus(path: str | Path, focus: Focus) -> None:
 
 def focus_text(focus: Focus) -> str:
     """The text of a focus.toml."""
-    length = [] if focus.focal_length is None else [f"focal_length = {shown(focus.focal_length)}"]
-    return "\n".join([f'kind = "{focus.kind}"', *length, *("\n" + point_text(point) for point in focus.points)]) + "\n"
+    said = [f"{name} = {_value_text(name, value)}" for name in _OF_LENS if (value := getattr(focus, name))]
+    return "\n".join([*said, *("\n" + point_text(point) for point in focus.points)]) + "\n"
 
 
 def point_text(point: FocusPoint) -> str:

@@ -4,14 +4,21 @@
 - "plane": tilt-shift, a tilted image plane behind a thin lens                          `focal_plane`
 - "surface": a focal surface and an aperture of each pixel's own                        `moving_least_squares`
 
+To each comes what simple lenses do wrong, if it is asked for:
+
+- curvature of field: an offset surface of the image plane, through the points' own        `moving_least_squares`
+- spherical aberration and bokeh: power and weight of rays over the aperture             `aperture_spline`
+
 Departures from the paper
 -------------------------
 - The surface interpolates inverse distances: a plane through three points is one, as a lens sees it.
 - Weights 1 / d^beta are those of a pixel's distance from each point, in picture heights.
+- Offsets of the image plane go on from where the kind of lens puts it: from the tilted plane, or from the bent one that
+  a focal surface needs. In the paper they are alone, or with tilt-shift (its figure 6).
 
 References
 ----------
-.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.1 and 5.2.
+.. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.1 to 5.3.
 """
 
 from dataclasses import dataclass
@@ -19,8 +26,10 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import InputError, as_choice, as_instance, as_instances, as_number
+from refdof._check import Float, InputError, as_choice, as_instance, as_instances, as_number
+from refdof.focus.aperture_spline import LEAST_POWER, aperture_spline, as_controls
 from refdof.focus.focal_plane import focal_plane
+from refdof.focus.keys import Keys
 from refdof.focus.moving_least_squares import moving_least_squares
 from refdof.focus.point import FocusPoint, Placed, placed
 from refdof.optics.camera import Camera
@@ -48,7 +57,11 @@ class Focus:
         what any camera can.
     focal_length : float, optional
         [scene units]; below the distances in focus. It sets the tilt of the image plane, and with the lens radius the
-        f-number; the picture does not depend on it. Default: a tenth of the nearest distance in focus.
+        f-number; without an offset of the image plane or a power, the picture does not depend on it. Default: a tenth
+        of the nearest distance in focus.
+    power, ray_weights : sequence of pairs, optional
+        Controls (share of the lens radius 0 .. 1, value): refractive power over that of the nominal lens, at least
+        0.001, and weights of rays, >= 0 and not all 0; see `refdof.focus.aperture_spline`. Default: 1 everywhere.
 
     Raises
     ------
@@ -59,6 +72,8 @@ class Focus:
     points: tuple[FocusPoint, ...]
     kind: str = "surface"
     focal_length: float | None = None
+    power: Keys = ()
+    ray_weights: Keys = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.points, list | tuple) and not 1 <= len(self.points) <= _MOST_POINTS:
@@ -67,6 +82,8 @@ class Focus:
         as_choice("kind", self.kind, KINDS)
         if self.focal_length is not None:
             object.__setattr__(self, "focal_length", as_number("focal_length", self.focal_length, above=0.0))
+        for name, least in (("power", LEAST_POWER), ("ray_weights", 0.0)):
+            object.__setattr__(self, name, as_controls(name, getattr(self, name), least))
 
 
 def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
@@ -75,7 +92,8 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
     Raises
     ------
     InputError
-        If no point is in the picture, a triangle does not exist, or a distance in focus is not in front of the lens.
+        If no point is in the picture, a triangle does not exist, a distance in focus is not in front of the lens, or
+        an offset puts the image plane there.
     """
     as_instance("focus", focus, Focus)
     as_instance("view", view, View)
@@ -87,7 +105,14 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
             f"focal_length: got {length:g}; allowed is less than the nearest distance in focus {found.focus.min():g}"
         )
     camera, lens = view.camera, view.lens
-    given: dict[str, Any] = {"aperture": lens.aperture}
+    given: dict[str, Any] = {
+        "aperture": lens.aperture,
+        "power": aperture_spline(focus.power, LEAST_POWER),
+        "ray_weights": aperture_spline(focus.ray_weights, 0.0),
+    }
+    bend: Any = 0.0
+    if found.image_offset.any():
+        bend = given["image_offset"] = _surfaces(found, camera, found.image_offset)[..., 0]
     mean = float(found.weight.sum() / (found.weight / found.focus).sum())
     if focus.kind == "distance":
         return ExpressiveLens(lens.radius, mean, length, aperture_scale=[[_aperture(found)]], **given)
@@ -100,9 +125,9 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
             )
         axis = 1.0 / plane.coefficients[0]
         offset = 1.0 / (1.0 / length - inverse) - 1.0 / (1.0 / length - 1.0 / axis)
-        given |= {"image_offset": offset, "aperture_scale": [[_aperture(found)]]}
+        given |= {"image_offset": offset + bend, "aperture_scale": [[_aperture(found)]]}
         return ExpressiveLens(lens.radius, axis, length, **given)
-    inverse, scale = _surfaces(found, camera)
+    inverse, scale = np.moveaxis(_surfaces(found, camera, 1.0 / found.focus, found.aperture), -1, 0)
     with np.errstate(divide="ignore"):
         surface = 1.0 / np.maximum(inverse, 0.0)
     return ExpressiveLens(
@@ -115,17 +140,16 @@ def _aperture(found: Placed) -> float:
     return float((found.weight * found.aperture).sum() / found.weight.sum())
 
 
-def _surfaces(found: Placed, camera: Camera) -> tuple[Any, Any]:
-    """(H, W) each: the inverse distance in focus, and the aperture's scale."""
+def _surfaces(found: Placed, camera: Camera, *of_points: Float) -> Float:
+    """(H, W, C): surfaces over the picture through C values of each point, (N,) each."""
     rows, columns = np.mgrid[: camera.height, : camera.width]
     pixels = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=1)
-    values = np.stack([1.0 / found.focus, found.aperture], axis=1)
-    heights = np.empty((len(pixels), 2))
+    values = np.stack(of_points, axis=1)
+    heights = np.empty((len(pixels), len(of_points)))
     scale = 1.0 / camera.height
     for row in range(0, len(pixels), camera.width):  # a row at a time: points times pixels of it are in memory
         part = slice(row, row + camera.width)
         heights[part] = moving_least_squares(
             found.places * scale, values, found.weight, found.falloff, pixels[part] * scale
         )
-    surfaces = heights.reshape(camera.height, camera.width, 2)
-    return surfaces[..., 0], surfaces[..., 1]
+    return heights.reshape(camera.height, camera.width, -1)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_instance, as_integer, as_number, as_pair
+from refdof.focus.keys import as_number_or_keys
 from refdof.view import View
 
 __all__ = ["FocusPoint", "Placed", "pick", "placed"]
@@ -22,8 +23,8 @@ _RANGES: dict[str, dict[str, Any]] = {  # of what may have keyframes
     "offset": {},
     "aperture": {"minimum": 0.0, "maximum": 1.0},
     "weight": {"minimum": 0.0, "maximum": 1e6},
+    "image_offset": {},
 }
-_MOST_KEYS = 1000
 _MARGIN = 0.1  # of the picture's height: how far outside of it a point has faded out
 _WINDOW = 0.02  # of the picture's height: radius of the disc whose visible share is the point's
 _SLACK = 0.01  # of the depth: what hides a point is nearer by more than that
@@ -47,6 +48,9 @@ class FocusPoint:
         alpha, >= 0: how much the point counts beside others.
     falloff : float
         beta, 1 to 8: how fast it counts less with the distance in the picture; 2 to 4 works well, [1].
+    image_offset : float, or keyframes
+        The image plane there is displaced so far away from the lens [scene units, on the image's side]: curvature of
+        field, and no longer sharp.
     keep : bool
         Counts as much when it is outside the picture or hidden.
     name : str
@@ -65,6 +69,7 @@ class FocusPoint:
     aperture: Any = 1.0
     weight: Any = 1.0
     falloff: float = 3.0
+    image_offset: Any = 0.0
     keep: bool = False
     name: str = ""
 
@@ -76,14 +81,14 @@ class FocusPoint:
         whole = 1.0 if abs(shares.sum() - 1.0) < 1e-12 else shares.sum()  # what was divided stays as it is
         object.__setattr__(self, "barycentrics", tuple((shares / whole).tolist()))
         for word, limits in _RANGES.items():
-            object.__setattr__(self, word, _number_or_keys(word, getattr(self, word), limits))
+            object.__setattr__(self, word, as_number_or_keys(word, getattr(self, word), limits))
         object.__setattr__(self, "falloff", as_number("falloff", self.falloff, minimum=1.0, maximum=8.0))
         as_bool("keep", self.keep)
         if not isinstance(self.name, str):
             raise InputError(f"name: got {type(self.name).__name__}; allowed is text")
 
     def value(self, word: str, frame: float) -> float:
-        """`offset`, `aperture` or `weight` at a frame."""
+        """`offset`, `aperture`, `weight` or `image_offset` at a frame."""
         given = getattr(self, as_choice("word", word, _RANGES))
         frame = as_number("frame", frame)
         if not isinstance(given, tuple):
@@ -105,6 +110,7 @@ class Placed(NamedTuple):
     aperture: Float  # (N,)
     weight: Float  # (N,) alpha, less where the point fades out or others are nearer
     falloff: Float  # (N,)
+    image_offset: Float  # (N,) [scene units]
 
 
 def pick(view: View, pixel: tuple[int, int], name: str = "") -> FocusPoint:
@@ -161,10 +167,10 @@ def placed(points: list[FocusPoint], view: View, frame: float = 0.0) -> Placed:
     if not focus[counts].min() > 0.0:
         raise InputError(f"offset: puts the focus at {focus[counts].min():g}; allowed is a distance above 0")
     found = np.stack([x, y], axis=1), depth, focus, [point.value("aperture", frame) for point in points]
-    falloff = [point.falloff for point in points]
+    others = [point.falloff for point in points], [point.value("image_offset", frame) for point in points]
     nearest = depth[counts].min()
     weight = weight * nearest / np.where(counts, depth, 1.0)
-    return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, falloff)))
+    return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, *others)))
 
 
 def _inside(x: float, y: float, size: tuple[int, int]) -> float:
@@ -187,16 +193,3 @@ def _visible(view: View, x: float, y: float, depth: float) -> float:
     rows, columns = np.broadcast_arrays(rows, columns)
     seen = view.pinhole().depth[rows[near], columns[near]]
     return float((seen >= depth * (1.0 - _SLACK)).mean())
-
-
-def _number_or_keys(name: str, given: Any, limits: dict[str, Any]) -> Any:
-    if not isinstance(given, list | tuple | np.ndarray) or (isinstance(given, np.ndarray) and given.ndim == 0):
-        return as_number(name, given, **limits)
-    keys = as_float(name, given, (None, 2), dtype=np.float64)
-    if not 1 <= len(keys) <= _MOST_KEYS:
-        raise InputError(f"{name}: got {len(keys)} keyframes; allowed are 1 to {_MOST_KEYS}")
-    if not (np.diff(keys[:, 0]) > 0.0).all():
-        raise InputError(f"{name}: frames of keyframes do not grow; allowed are frames in growing order")
-    for value in keys[:, 1]:
-        as_number(name, float(value), **limits)
-    return tuple((float(frame), float(value)) for frame, value in keys)

@@ -11,7 +11,8 @@ Departures from the paper
 -------------------------
 - The paper gives no formulas. Here the image plane is where the thin lens's equation puts it for the focus distance,
   and power, index and offset change that equation: a ray of the aperture's point v and a pixel's chief ray meet at the
-  distance d with 1/d = s(|v|) (n_c - 1) / (n_g - 1) / F - 1 / (u + offset), where 1/u = 1/F - 1/focus.
+  distance d with 1/d = s(|v|) (n_c - 1) / (n_g - 1) / F - 1 / (u + offset), where 1/u = 1/F - 1/focus. With a focal
+  surface, focus and u are each pixel's own: it bends the image plane, and the offset goes on from there.
 - Chief rays stay: an offset or another power moves no image, it only blurs it.
 - Splines are monotone between their values (no overshoot, so a weight is never negative) and even about the middle.
 - Weights are divided by their mean over the aperture: an even scene keeps its brightness.
@@ -64,7 +65,8 @@ class ExpressiveLens(ThinLens):
     image_offset : sequence of 2 to 64 floats, or (h, w) floats
         How far the image plane is displaced away from the lens [scene units], above minus its distance: at equal steps
         from the middle of the picture to its corner; or over the picture, row 0 at the top, values at the centres of
-        equal cells, bilinear between them.
+        equal cells, bilinear between them. With a focal surface, from where this has it; all of it must then lie
+        beyond the focal length.
     indices : 3 floats
         Index of refraction, > 1, for red, green and blue; the focal length is that of green.
     focal_surface : (h, w) floats
@@ -115,7 +117,6 @@ class ExpressiveLens(ThinLens):
         object.__setattr__(self, "ray_weights", _values("ray_weights", ray_weights, least=0.0))
         if not any(self.ray_weights):
             raise InputError("ray_weights: all are 0; at least one must be above 0")
-        object.__setattr__(self, "image_offset", self._offset(image_offset))
         colors = as_float("indices", indices, (3,), dtype=np.float64, maximum=10.0)
         if not colors.min() > 1.0:
             raise InputError(f"indices: smallest value is {colors.min():g}; allowed are values above 1")
@@ -126,6 +127,7 @@ class ExpressiveLens(ThinLens):
         if not surface.min() > 0.0:
             raise InputError(f"focal_surface: smallest value is {surface.min():g}; allowed are values above 0")
         object.__setattr__(self, "focal_surface", surface)
+        object.__setattr__(self, "image_offset", self._offset(image_offset))
         _picture_shape("aperture_scale", aperture_scale)
         scale = as_float("aperture_scale", aperture_scale, (None, None), dtype=np.float64, minimum=0.0, maximum=1.0)
         object.__setattr__(self, "aperture_scale", scale)
@@ -137,23 +139,25 @@ class ExpressiveLens(ThinLens):
             _values("image_offset", given, least=-math.inf)
         if not offset.size:
             raise InputError("image_offset: got none; allowed are 2 to 64 numbers, or some over the picture")
-        if not offset.min() > -self.image_distance:
+        if offset.any() and not self.focal_surface.min() > self.focal_length:
             raise InputError(
-                f"image_offset: smallest value is {offset.min():g}; allowed is more than {-self.image_distance:g}: "
+                f"focal_surface: smallest value is {self.focal_surface.min():g}; with an image_offset, allowed is more "
+                f"than the focal length {self.focal_length:g}: nearer, there is no image plane"
+            )
+        nearest = 1.0 / (1.0 / self.focal_length - 1.0 / self.focal_surface.max())
+        if offset.any() and not offset.min() > -nearest:
+            raise InputError(
+                f"image_offset: smallest value is {offset.min():g}; allowed is more than {-nearest:g}: "
                 "the image plane stays behind the lens"
             )
         return offset
 
-    @property
-    def image_distance(self) -> float:
-        """From the lens to the image plane, where it is not displaced [scene units]."""
-        return 1.0 / (1.0 / self.focal_length - 1.0 / self.focus_distance)
-
     def inverse_focus(self, camera: Camera) -> Float:
         """(H, W) float64: one over the distance at which rays of the lens's middle meet [1 / scene unit]; green."""
         as_instance("camera", camera, Camera)
-        offset, distance = self._offset_of(camera), self.image_distance
-        return over_picture(1.0 / self.focal_surface, camera) + offset / (distance * (distance + offset))
+        focus, offset = over_picture(1.0 / self.focal_surface, camera), self._offset_of(camera)
+        strength = 1.0 / self.focal_length - focus  # 1 / u
+        return focus + offset * strength**2 / (1.0 + offset * strength)
 
     def coc_px(self, depth: Any, camera: Camera) -> Float:
         """Signed circle of confusion [px], as `ThinLens.coc_px`, with the mean power over aperture and colours.

@@ -22,6 +22,9 @@ VALUES = st.floats(0.0, 1.0)
 KEYED = VALUES | st.lists(
     st.tuples(st.integers(0, 99), VALUES), min_size=1, max_size=4, unique_by=lambda key: key[0]
 ).map(lambda keys: tuple(sorted(keys)))
+CONTROLS = st.lists(st.tuples(VALUES, st.floats(1e-3, 9.0)), min_size=1, max_size=4, unique_by=lambda key: key[0]).map(
+    lambda keys: tuple(sorted(keys))
+)
 POINTS = st.builds(
     FocusPoint,
     st.integers(0, 10**6),
@@ -30,6 +33,7 @@ POINTS = st.builds(
     aperture=KEYED,
     weight=KEYED,
     falloff=st.floats(1.0, 8.0),
+    image_offset=KEYED,
     keep=st.booleans(),
     name=st.text(max_size=9).filter(lambda text: text.isprintable()),
 )
@@ -41,6 +45,8 @@ POINTS = st.builds(
         st.lists(POINTS, min_size=1, max_size=3).map(tuple),
         st.sampled_from(KINDS),
         st.none() | st.floats(1e-3, 9),
+        st.just(()) | CONTROLS,
+        st.just(()) | CONTROLS,
     )
 )
 def test_a_file_reads_back_as_itself_and_fits_the_schema(focus):
@@ -48,7 +54,8 @@ def test_a_file_reads_back_as_itself_and_fits_the_schema(focus):
     again = parse_focus("focus.toml", text)
     assert focus_text(again) == text
     assert [point.triangle for point in again.points] == [point.triangle for point in focus.points]
-    assert again.kind == focus.kind
+    assert (again.kind, again.power, again.ray_weights) == (focus.kind, focus.power, focus.ray_weights)
+    assert [point.image_offset for point in again.points] == [point.image_offset for point in focus.points]
     jsonschema.validate(tomllib.loads(text), SCHEMA)
 
 
@@ -78,6 +85,13 @@ def test_files_on_disk(tmp_path):
         (POINT + "name = 1", "focus.toml: point 1: name: got int; allowed is text"),
         ("kind = 'tilt'\n" + POINT, "focus.toml: kind: got 'tilt'"),
         ("focal_length = 0\n" + POINT, "focus.toml: focal_length: got 0"),
+        ("power = [1.0, 1.02]\n" + POINT, "focus.toml: power: got shape (2,)"),
+        ("power = []\n" + POINT, "focus.toml: power: got shape (0,)"),
+        ("power = [[0, 1], [2, 1]]\n" + POINT, "focus.toml: power: radii: largest value is 2"),
+        ("power = [[0, 0]]\n" + POINT, "focus.toml: power: got 0; allowed is a finite number >= 0.001"),
+        ("ray_weights = [[1, 1], [0, 1]]\n" + POINT, "focus.toml: ray_weights: radii of controls do not grow"),
+        ("ray_weights = [[0, 0], [1, 0]]\n" + POINT, "focus.toml: ray_weights: all are 0"),
+        (POINT + "image_offset = nan", "focus.toml: point 1: image_offset: got nan"),
         ("a = " + "[" * 5000, "focus.toml: "),
     ],
 )

@@ -1,0 +1,36 @@
+"""Keys: pairs (place, value) in growing order of places, such as keyframes, or controls of a curve."""
+
+from typing import Any
+
+import numpy as np
+
+from refdof._check import InputError, as_float, as_number
+
+__all__ = ["as_keys", "as_number_or_keys"]
+
+Keys = tuple[tuple[float, float], ...]
+
+
+def as_number_or_keys(name: str, given: Any, limits: dict[str, Any]) -> float | Keys:
+    """A number, or keyframes (frame, value)."""
+    if not isinstance(given, list | tuple | np.ndarray) or (isinstance(given, np.ndarray) and given.ndim == 0):
+        return as_number(name, given, **limits)
+    return as_keys(name, given, limits, "keyframes", "frames", 1000)
+
+
+def as_keys(name: str, given: Any, limits: dict[str, Any], what: str, place: str, most: int) -> Keys:
+    """Pairs (place, value), such as `what` at a `place`; `limits` are those of `as_number` for values.
+
+    Raises
+    ------
+    InputError
+        If there are none or too many, places do not grow, or a number is out of range.
+    """
+    keys = as_float(name, given, (None, 2), dtype=np.float64)
+    if not 1 <= len(keys) <= most:
+        raise InputError(f"{name}: got {len(keys)} {what}; allowed are 1 to {most}")
+    if not (np.diff(keys[:, 0]) > 0.0).all():
+        raise InputError(f"{name}: {place} of {what} do not grow; allowed are {place} in growing order")
+    for value in keys[:, 1]:
+        as_number(name, float(value), **limits)
+    return tuple((float(at), float(value)) for at, value in keys)
