@@ -15,11 +15,13 @@ from refdof._check import InputError, as_choice, as_function, as_instance
 from refdof._jit import JIT_DISABLED, compilations, source_digest
 from refdof._store import stored
 from refdof.comparison import Comparison, Row
+from refdof.field_strip import field_strip
 from refdof.methods import METHODS
 from refdof.metrics import scores_of_many
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.optics.systems.system_lens import SystemLens
 from refdof.rendering import PRESETS, Result, make_params, render_view
 from refdof.scene.scene import Part, Scene
 from refdof.truth.forecast import Forecast, forecast_of_view
@@ -31,6 +33,7 @@ __all__ = ["compare", "warm_up", "warming_up"]
 
 _RUNS = 3  # of a method, whose median is told; one if it takes longer than
 _SHORT_S = 1.0
+_CHART_SAMPLES = 64  # at most, of a lens chart: it is looked at, and not scored
 
 
 def compare(
@@ -47,7 +50,7 @@ def compare(
     max_samples: int = MAX_SAMPLES,
     announce: Callable[[Forecast], None] | None = None,
 ) -> Comparison:
-    """Render the reference and every method, and score them.
+    """Render the reference and every method, and score them; through a real lens, also draw a lens chart.
 
     Parameters
     ----------
@@ -122,6 +125,16 @@ def compare(
         )
         for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
     ]
+    chart = None
+    if isinstance(view.lens, SystemLens):
+        tell("lens chart", 0, 1)
+        fewer = min(samples, _CHART_SAMPLES)
+        wanted = [(row.name, row.method, row.preset, values[row.method]) for row in rows]
+        chart = field_strip(
+            view,
+            wanted,
+            lambda one: _kept_reference(one, fewer, None, seed, MAX_SAMPLES, lambda _done, _all: None)[0].image,
+        )
     return Comparison(
         scene.name,
         view.camera,
@@ -134,6 +147,7 @@ def compare(
         truth.noise_floor_psnr,
         tuple(rows),
         kept,
+        chart,
     )
 
 

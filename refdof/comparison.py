@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from refdof._check import Float
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["Comparison", "Row"]
+__all__ = ["Chart", "Comparison", "Row"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +42,24 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
+class Chart:
+    """A chart in the plane in focus, seen through a real lens; see `refdof.scene.lens_chart`.
+
+    Attributes
+    ----------
+    pictures : {name: (h, w, 3) float32}, linear RGB
+        "reference", "reference, thin lens", and each row's name; from the picture's middle to its corner.
+    """
+
+    pictures: dict[str, Float]
+
+    caption: ClassVar[str] = (
+        "Lens chart in the plane in focus, from the picture's middle (left) to its corner (right), twice as large: "
+        "where the field is curved, sharp in the middle and blurred toward the corner."
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """Every method beside the reference, on one scene.
 
@@ -51,6 +69,7 @@ class Comparison:
     samples : mean lens samples per pixel of the reference
     noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise
     kept : whether the reference, and its `seconds`, are of an earlier run of the same
+    chart : of a real lens
     """
 
     scene: str
@@ -64,3 +83,4 @@ class Comparison:
     noise_floor_psnr: float
     rows: tuple[Row, ...]
     kept: bool = False
+    chart: Chart | None = None

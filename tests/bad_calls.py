@@ -574,14 +574,14 @@ DOORS |= {
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "cli", "command_group", "comparison", "explain", "explain_cli", "report", "metrics.flip_worker",
+    "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
     "focus.aperture_spline", "focus.focus_file", "focus.keys", "focus.moving_least_squares", "focus_cli", "listing_cli",
     "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
-    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.smooth_normals", "scene.framing",
+    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.lens_chart", "scene.smooth_normals", "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.tile_bins", "raster.gpu.tile_drawing", "raster.gpu.clip", "raster.gpu.depth_format",

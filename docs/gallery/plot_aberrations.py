@@ -16,10 +16,9 @@ import numpy as np
 import refdof
 from refdof.optics.systems.glass import AIR, Glass, glass_of
 from refdof.optics.systems.system import LensSystem, Surface, ThickLens
+from refdof.scene.lens_chart import patch
 
 CROWN = Glass("a crown of one index", 1.5168)
-SQUARE = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
-FACES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def camera_of(lens, film_height, size):
@@ -27,14 +26,6 @@ def camera_of(lens, film_height, size):
     whole = lens.seen_by(refdof.Camera.look_at((0, 0, 0), (0, 0, -1), size=size))
     tangent = math.tan(math.radians(whole.fov_y) / 2.0) * film_height / 24.0
     return replace(whole, fov_y=math.degrees(2.0 * math.atan(tangent)))
-
-
-def patch(camera, x, y, depth, half, light=1.0, half_y=None):
-    """An upright rectangle of light at a place in the picture, from its centre, with half its sides [px]."""
-    sides = np.array([half, half if half_y is None else half_y, 1.0])
-    place = np.array([x, y, -camera.pixels_per_tangent])
-    material = refdof.Material("unlit", base_color=(0.0, 0.0, 0.0), emission=(light, light, light))
-    return refdof.Part((SQUARE * sides + place) * (depth / camera.pixels_per_tangent), FACES, material)
 
 
 def thin_of(lens, focus_distance=None):

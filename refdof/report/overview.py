@@ -3,13 +3,14 @@
 The only file of the report that imports matplotlib. Each cell shows, from top to bottom: name and scores, the picture,
 two crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
 display image; under the reference four times its standard error. Methods are broken into bands of at most
-five, each of which begins with the reference.
+five, each of which begins with the reference. Below them stands a real lens's chart, a strip for each.
 """
 
 import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import TypeAlias
 
 import numpy as np
@@ -21,7 +22,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from refdof._check import Float
-from refdof.comparison import Comparison
+from refdof.comparison import Chart, Comparison
 from refdof.image.atomic import atomic_path
 from refdof.image.display import display, display_slope
 from refdof.image.file import PNG_STRATEGY
@@ -82,6 +83,8 @@ def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None
     """Draw the figure into the PNG file `path`: at most 1600 px wide, as high as the methods need."""
     layout = _layout(comparison)
     width, height = layout.size
+    strips = _strips(comparison.chart, width - 2 * _MARGIN_PX)
+    bottom, height = height, height + sum(_LABEL_PX + strip.shape[0] for _, strip in strips) + bool(strips) * _MARGIN_PX
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     _header(figure, comparison, width)
@@ -94,6 +97,11 @@ def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None
         for column, cell in enumerate(shown):
             x = _MARGIN_PX + column * (layout.cell + _GAP_PX)
             _draw_cell(figure, canvas, layout, cell, crops, x, _HEADER_PX + band * layout.band_height)
+    for name, strip in strips:
+        _text(figure, _MARGIN_PX, bottom + 3, name, 12, color=_PALE_INK)
+        high, wide = strip.shape[:2]
+        canvas[bottom + _LABEL_PX : bottom + _LABEL_PX + high, _MARGIN_PX : _MARGIN_PX + wide] = strip
+        bottom += _LABEL_PX + high
     figure.figimage(canvas)
 
     with atomic_path(path) as temporary:
@@ -136,6 +144,23 @@ def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[
         error = _levels(ERROR_SCALE * np.abs(image - reference))
         shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |error|", error))
     return shown, crops_of(total, squared_error(display(comparison.pinhole), reference), *layout.crop)
+
+
+def _strips(chart: Chart | None, width: int) -> list[tuple[str, Levels]]:
+    """A chart's rows, each words and the picture below them, none wider than `width`; first the caption, without."""
+    if chart is None:
+        return []
+    lines = wrap(chart.caption, max(20, width // 7))  # a letter is 6 or 7 px wide
+    rows: list[tuple[str, Levels]] = [(line, np.zeros((0, 0, 3), np.uint8)) for line in lines]
+    for name, image in chart.pictures.items():
+        levels = _levels(display(image))
+        zoom = max(1, width // levels.shape[1])
+        levels = levels.repeat(zoom, axis=0).repeat(zoom, axis=1)
+        if levels.shape[1] > width:
+            size = width, max(1, round(levels.shape[0] * width / levels.shape[1]))
+            levels = np.asarray(Image.fromarray(levels).resize(size, Image.Resampling.HAMMING))
+        rows.append((name, levels))
+    return rows
 
 
 def _levels(values: Float) -> Levels:

@@ -15,7 +15,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from refdof._check import Float
-from refdof.comparison import Comparison
+from refdof.comparison import Chart, Comparison
 from refdof.image.file import png_bytes
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
 from refdof.report.table import columns, footnote, reference_line, texts
@@ -47,8 +47,15 @@ def report_page(comparison: Comparison, command: str = "") -> str:
             "encoding": encoding,
             "names": [name for name, _ in images],
         },
+        chart=None if comparison.chart is None else _strips(comparison.chart),
         payloads=[_float16(image) if encoding == "float16" else _png(image) for _, image in images],
     )
+
+
+def _strips(chart: Chart) -> dict[str, Any]:
+    """A lens chart: its caption, and pictures as PNG."""
+    pictures = [{"name": name, "png": _png(image)} for name, image in chart.pictures.items()]
+    return {"caption": chart.caption, "pictures": pictures}
 
 
 def index_page(comparisons: Sequence[Comparison], folders: Sequence[str], command: str = "") -> str:
