@@ -4,9 +4,11 @@
 2. every mesh, placed by its node                          `_part`
 3. its colours and textures, made linear                   `_Looks`
 4. the file's own normals, or smooth ones with creases     `refdof.scene.smooth_normals`
-5. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf_camera`, `refdof.scene.framing`
+5. a glTF file's animation, skins and morph targets        `refdof.scene.gltf.rig`
+6. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf.camera`, `refdof.scene.framing`
 
-What is left out: points, lines, animation, transparency, and every texture but that of the base colour.
+What is left out: points, lines, transparency, and every texture but that of the base colour; of animations, all but a
+glTF file's first. An animated scene stands at frame 0.
 Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
 """
 
@@ -21,11 +23,14 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from refdof._check import Float, InputError, as_choice, as_color, as_float, as_index, as_path
+from refdof._check import Float, Index, InputError, as_choice, as_color, as_float, as_index, as_path
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
-from refdof.scene.gltf_camera import gltf_camera, without_cameras
+from refdof.scene.gltf.camera import gltf_camera
+from refdof.scene.gltf.file import GltfFile, read_gltf
+from refdof.scene.gltf.plain import marked, marks_of, without_cameras
+from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
 from refdof.scene.material import SHADINGS, Light, Material
 from refdof.scene.scene import Part, Scene
 from refdof.scene.smooth_normals import smooth_normals
@@ -71,14 +76,19 @@ def load_mesh(
     shading = as_choice("shading", "lambert" if shading is None else shading, SHADINGS)
     background = as_color("background", background)
     try:
+        _check_kind(path)
+        file = read_gltf(path) if _suffix(path) in _GLTF else None
+        rig = None if file is None or not is_rigged(file.header) else read_rig(file, _beside(path).get)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             # NumPy's word for garbage between numbers; what follows would be lost in silence.
             warnings.filterwarnings("error", message="string or file could not be read")
-            parts = _read(path, shading)
+            parts, limbs = _read(path, shading, file, rig)
         # The shot follows from the scene, so a stand-in comes first.
         camera, lens = Camera((0, 0, 1), (0, 0, 0)), ThinLens(0.0, 1.0)
         scene = Scene.from_parts(path.stem, parts, camera, lens, background)
+        if rig is not None:  # the camera moves with it, if the file has one
+            scene = replace(scene, animation=replace(animation_of(rig, limbs), camera=camera)).at_frame(0)
     except InputError as error:
         raise _refusal(path, str(error)) from None
     except Exception as error:  # trimesh lets through whatever its parsers meet
@@ -86,13 +96,19 @@ def load_mesh(
         raise _refusal(path, f"it cannot be read ({reason[:160]})") from error
     if not len(scene.faces):
         raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
-    up = 1 if _suffix(path) in _GLTF else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
-    file_camera = gltf_camera(path) if _suffix(path) in _GLTF else None
+    up = 1 if file is not None else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
+    animation = scene.animation
+    if animation is not None:
+        file_camera = animation.camera
+    else:
+        file_camera = None if file is None else gltf_camera(file.header)
     camera = file_camera or suggest_camera(scene.vertices, scene.faces, up)
     lens = suggest_lens(scene.vertices, scene.faces, camera)
     x, y, z = scene.light.sun_direction
     light = Light() if up == 1 else Light(sun_direction=(x, -z, y))  # the sun stands above the model's front
-    return replace(scene, camera=camera, lens=lens, light=light)
+    if animation is not None and animation.first == animation.last:
+        animation = None
+    return replace(scene, camera=camera, lens=lens, light=light, animation=animation)
 
 
 def _refusal(path: Path, reason: str) -> InputError:
@@ -103,8 +119,8 @@ def _suffix(path: Path) -> str:
     return path.suffix.lower().lstrip(".")
 
 
-def _read(path: Path, shading: str) -> list[Part]:
-    """All meshes of the file, in world space."""
+def _check_kind(path: Path) -> None:
+    """Raise if the path is no file of a kind that trimesh reads."""
     if not path.is_file():
         raise InputError("it is not a file" if path.exists() else "there is no such file")
     formats = sorted(trimesh.available_formats())
@@ -112,25 +128,42 @@ def _read(path: Path, shading: str) -> list[Part]:
         raise InputError(f"its type is not one of {', '.join(formats)}")
     if path.stat().st_size == 0:
         raise InputError("it is empty")
-    data = _tidied(path)
+
+
+def _beside(path: Path) -> Any:
+    return trimesh.resolvers.FilePathResolver(str(path))  # textures and buffers lie beside the file
+
+
+def _read(path: Path, shading: str, file: GltfFile | None, rig: Rig | None) -> tuple[list[Part], list[Limb]]:
+    """All meshes of the file, in world space; with a rig, in their nodes' space, and each part's limb."""
+    if file is None:
+        data = _tidied(path)
+    else:
+        data = without_cameras(file) if rig is None else marked(file)
     opened: Any = path if data is None else io.BytesIO(data)
     kind = None if data is None else _suffix(path)
-    beside = trimesh.resolvers.FilePathResolver(str(path))  # textures and buffers lie beside the file
-    loaded = trimesh.load_scene(opened, kind, beside, process=False)  # neither merge nor drop vertices
+    loaded = trimesh.load_scene(opened, kind, _beside(path), process=False)  # neither merge nor drop vertices
     looks = _Looks(shading, linear_colors=_suffix(path) in _GLTF)
-    parts = []
+    parts, limbs = [], []
     for node in loaded.graph.nodes_geometry:
         world, name = loaded.graph[node]
         mesh = loaded.geometry[name]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            parts.append(_part(mesh, np.asarray(world, dtype=np.float64), looks))
-    return parts
+            placed = np.asarray(world, dtype=np.float64) if rig is None else np.eye(4)
+            part, source, states_normals = _part(mesh, placed, looks)
+            parts.append(part)
+            if rig is not None:
+                limbs.append(_limb(node, mesh, part, source, states_normals))
+    return parts, limbs
+
+
+def _limb(node: str, mesh: Any, part: Part, source: Index, states_normals: bool) -> Limb:
+    normal = np.zeros((0, 3)) if part.normal is None else part.normal.astype(np.float64)
+    return Limb(*marks_of(node, mesh.vertex_attributes), source, part.vertices, normal, part.faces, states_normals)
 
 
 def _tidied(path: Path) -> bytes | None:
     """What trimesh is given in the file's place; None if it can take the file as it is."""
-    if _suffix(path) in _GLTF:  # a node with a camera would lose its meshes and its children
-        return without_cameras(path)
     if _suffix(path) not in _TEXT:
         return None
     data = path.read_bytes()
@@ -143,35 +176,35 @@ def _tidied(path: Path) -> bytes | None:
     return data if marked else None
 
 
-def _part(mesh: Any, world: Float, looks: "_Looks") -> Part:
-    """One mesh in world space; `world` (4, 4) is its node's transform."""
+def _part(mesh: Any, world: Float, looks: "_Looks") -> tuple[Part, Index, bool]:
+    """One mesh in world space; `world` (4, 4) is its node's transform. Also the mesh's vertex that each of the part's
+    copies, and whether the normals are the file's own.
+    """
     vertices = as_float("vertices", mesh.vertices, (None, 3), dtype=np.float64)
     faces = as_index("faces", mesh.faces, (None, 3), end=len(vertices))
     vertices = vertices @ world[:3, :3].T + world[:3, 3]
     normal = _file_normals(mesh, world)
     uv, color, material = looks.of(mesh)
+    source: Index = np.arange(len(vertices))
     if mesh.visual.kind == "face" and color is not None:  # every face gets corners of its own
         source, faces = faces.ravel(), np.arange(faces.size).reshape(-1, 3)
         vertices, color = vertices[source], np.repeat(color, 3, axis=0)
         normal = None if normal is None else normal[source]
+    states_normals = normal is not None
     if normal is None:
-        source, faces, normal = smooth_normals(vertices, faces)
-        vertices = vertices[source]
-        uv = None if uv is None else uv[source]
-        color = None if color is None else color[source]
-    return Part(vertices, faces, material, uv, color, normal)
+        copied, faces, normal = smooth_normals(vertices, faces)
+        source, vertices = source[copied], vertices[copied]
+        uv = None if uv is None else uv[copied]
+        color = None if color is None else color[copied]
+    return Part(vertices, faces, material, uv, color, normal), source, states_normals
 
 
 def _file_normals(mesh: Any, world: Float) -> Float | None:
     """Unit normals (V, 3) that the file states, in world space; None if it states none or a useless one."""
     if "vertex_normals" not in mesh._cache:  # asking the mesh itself would compute them
         return None
-    x, y, z = world[:3, :3].T
-    # The cofactor matrix turns normals as the matrix turns surfaces, even where it has no inverse.
-    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
-    normal = np.asarray(mesh.vertex_normals, dtype=np.float64) @ cofactors
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    return normal / length if np.isfinite(length).all() and (length > 0).all() else None
+    normal = turned_normals(np.asarray(mesh.vertex_normals, dtype=np.float64), world[:3, :3])
+    return normal if np.isfinite(normal).all() else None
 
 
 class _Looks:

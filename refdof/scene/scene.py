@@ -22,6 +22,7 @@ from refdof._check import (
 )
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.scene.animation import Animation, between_frames, scaled_camera
 from refdof.scene.material import SHADINGS, Light, Material, as_colors
 
 __all__ = ["Part", "Scene"]
@@ -84,6 +85,7 @@ class Scene:
     background : (3,) floats, linear RGB of rays that meet nothing
     camera, lens : the suggested shot
     dropped_faces : how many degenerate triangles were left out
+    animation : where the vertices go, or None; the scene stands at one frame of it
 
     Raises
     ------
@@ -104,6 +106,7 @@ class Scene:
     camera: Camera
     lens: ThinLens
     dropped_faces: int = 0
+    animation: Animation | None = None
 
     def __post_init__(self) -> None:
         as_instance("name", self.name, str)
@@ -125,6 +128,49 @@ class Scene:
             object.__setattr__(self, name, value)
         for name, kind in (("light", Light), ("camera", Camera), ("lens", ThinLens)):
             as_instance(name, getattr(self, name), kind)
+        if self.animation is not None:
+            as_instance("animation", self.animation, Animation)
+
+    @property
+    def frames(self) -> tuple[int, int] | None:
+        """First and last frame of the animation, 24 a second; None: the scene stands still."""
+        return None if self.animation is None else (self.animation.first, self.animation.last)
+
+    def at_frame(self, frame: float) -> "Scene":
+        """The scene at a frame, which may lie between whole ones: the same faces, with moved vertices and normals.
+
+        Before the first and after the last frame, their pose holds. A file's own camera moves, too, unless another
+        took its place. What stands still, or at this frame, is itself.
+        """
+        frame, animation = as_number("frame", frame), self.animation
+        if animation is None:
+            return self
+        frame = min(max(frame, float(animation.first)), float(animation.last))
+        if frame == animation.frame:
+            return self
+        pose = animation.pose(frame)
+        camera = self.camera if pose.camera is None or self.camera is not animation.camera else pose.camera
+        followed = camera if camera is pose.camera else None
+        animation = replace(animation, frame=frame, camera=followed)
+        return replace(self, vertices=pose.vertices, normal=pose.normal, camera=camera, animation=animation)
+
+    def with_frames(self, vertices: Float) -> "Scene":
+        """The same scene animated, at frame 0: `vertices` (F, V, 3) of frames 0 .. F - 1, world space.
+
+        Between frames vertices move along straight lines. Normals are computed anew at every frame: corners at one
+        place that have one normal stay smooth together.
+
+        Raises
+        ------
+        InputError
+            If the shape does not fit the scene's vertices, or a coordinate is not finite or larger than 1e100.
+        """
+        bound, shape = LARGEST_LENGTH, (None, len(self.vertices), 3)
+        moved = as_float("vertices", vertices, shape, dtype=np.float64, minimum=-bound, maximum=bound)
+        if not len(moved):
+            raise InputError("vertices: got no frame; allowed is at least one")
+        animation = between_frames(moved.copy(), self.faces, self.vertices, self.normal)
+        return replace(self, animation=animation).at_frame(0)
 
     @classmethod
     def from_parts(
@@ -200,13 +246,11 @@ class Scene:
                 f"allowed is what keeps them <= {LARGEST_LENGTH:g}"
             )
 
-        def times(v: tuple[float, float, float]) -> tuple[float, float, float]:
-            return v[0] * factor, v[1] * factor, v[2] * factor
-
-        camera = replace(self.camera, eye=times(self.camera.eye), target=times(self.camera.target))
+        camera = scaled_camera(self.camera, factor)
         focus = self.lens.focus_distance * factor
         lens = replace(self.lens, radius=self.lens.radius * factor, focus_distance=focus)
-        return replace(self, vertices=self.vertices * factor, camera=camera, lens=lens)
+        animation = None if self.animation is None else self.animation.scaled(factor, camera)
+        return replace(self, vertices=self.vertices * factor, camera=camera, lens=lens, animation=animation)
 
 
 def _places(name: str, value: Any) -> Float:

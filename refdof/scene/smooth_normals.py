@@ -13,12 +13,10 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from refdof._check import Float, Index
 
-__all__ = ["smooth_normals"]
+__all__ = ["mean_normals", "shared_normals", "smooth_normals"]
 
 
 def smooth_normals(vertices: Float, faces: Index, crease_degrees: float = 30.0) -> tuple[Index, Index, Float]:
@@ -43,28 +41,61 @@ def smooth_normals(vertices: Float, faces: Index, crease_degrees: float = 30.0) 
     Neighbours are found by equal positions, so that seams of texture coordinates and triangle soups are
     smooth too. Where neighbours are wound in opposite directions the edge counts as a crease.
     """
-    _, point = np.unique(vertices + 0.0, axis=0, return_inverse=True)  # + 0.0: -0 and 0 are one place
-    point = point.ravel()[faces]
-    extent = np.ptp(vertices, axis=0).max() if len(vertices) else 0.0
-    corner = vertices[faces] / (extent if extent > 0 else 1.0)  # so that tiny meshes do not underflow
-    face_normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    face_normal = _unit(face_normal)
+    from scipy.sparse import coo_matrix  # slow to import
+    from scipy.sparse.csgraph import connected_components
+
+    point = _same_rows(vertices)[faces]
+    corner = _corners(vertices, faces)
+    face_normal = _face_normals(corner)
 
     first, second = _blunt_edges(point, face_normal, math.cos(math.radians(crease_degrees)))
     count = faces.size
     links = coo_matrix((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
     groups, group = connected_components(links, directed=False)
+    normal = _means(corner, face_normal, group, groups)
 
+    # One new vertex for every pair of group and old vertex: seams keep both of their texture coordinates.
+    pair, new_faces = np.unique(group.astype(np.int64) * len(vertices) + faces.ravel(), return_inverse=True)
+    return pair % max(len(vertices), 1), new_faces.reshape(-1, 3), normal[pair // max(len(vertices), 1)]
+
+
+def shared_normals(vertices: Float, normal: Float) -> Index:
+    """(V,) int64: one number for vertices (V, 3) at one place with one normal (V, 3), which are smooth together."""
+    return _same_rows(np.concatenate([vertices, normal], axis=1))
+
+
+def mean_normals(vertices: Float, faces: Index, group: Index) -> Float:
+    """(V, 3) float64 unit normals where vertices moved: of each `group` (V,), as step 3 has it; no edge is split."""
+    corner = _corners(vertices, faces)
+    groups = int(group.max(initial=-1)) + 1
+    return _means(corner, _face_normals(corner), group[faces].ravel(), groups)[group]
+
+
+def _same_rows(values: Float) -> Index:
+    """(N,) int64: one number for equal rows (N, C)."""
+    return np.unique(values + 0.0, axis=0, return_inverse=True)[1].ravel()  # + 0.0: -0 and 0 are one
+
+
+def _corners(vertices: Float, faces: Index) -> Float:
+    """(F, 3, 3), scaled so that tiny meshes do not underflow."""
+    extent = np.ptp(vertices, axis=0).max() if len(vertices) else 0.0
+    return vertices[faces] / (extent if extent > 0 else 1.0)
+
+
+def _face_normals(corner: Float) -> Float:
+    """(F, 3) unit normals; zero where a triangle has no area."""
+    return _unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
+
+
+def _means(corner: Float, face_normal: Float, group: Index, groups: int) -> Float:
+    """(G, 3) unit normals of groups of corners; `group` (3 F,)."""
     weighted = (_corner_angles(corner)[:, :, None] * face_normal[:, None, :]).reshape(-1, 3)
     sums: Float = np.zeros((groups, 3))
     for k in range(3):
         sums[:, k] = np.bincount(group, weighted[:, k], minlength=groups)
     normal = _unit(sums)
     normal[(normal == 0.0).all(axis=1)] = (0.0, 0.0, 1.0)  # only triangles without area meet here
-
-    # One new vertex for every pair of group and old vertex: seams keep both of their texture coordinates.
-    pair, new_faces = np.unique(group.astype(np.int64) * len(vertices) + faces.ravel(), return_inverse=True)
-    return pair % max(len(vertices), 1), new_faces.reshape(-1, 3), normal[pair // max(len(vertices), 1)]
+    return normal
 
 
 def _blunt_edges(point: Index, face_normal: Float, cosine: float) -> tuple[Index, Index]:

@@ -1,0 +1,1 @@
+"""glTF files: their header, cameras, node animation, skins and morph targets."""

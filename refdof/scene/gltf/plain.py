@@ -1,0 +1,49 @@
+"""A glTF file as a reader of triangles gets it: without cameras, and with marks that say what is what."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from refdof.scene.gltf.file import GltfFile
+
+__all__ = ["marked", "marks_of", "without_cameras"]
+
+_MARK = "_refdof_"  # of an attribute of each primitive, which readers keep by its name
+
+
+def without_cameras(file: GltfFile) -> bytes | None:
+    """The same file with its camera nodes turned into plain nodes; None if it has no cameras.
+
+    For trimesh, to which a node with a camera loses its meshes and its children.
+    """
+    return file.with_header(_plain(file.header)) if file.header.get("cameras") else None
+
+
+def marked(file: GltfFile) -> bytes:
+    """`without_cameras`, but that nodes and primitives tell which they are: `marks_of`."""
+    header = _plain(file.header)
+    header["nodes"] = [{**node, "name": str(index)} for index, node in enumerate(header["nodes"])]
+    header["meshes"] = [
+        {**mesh, "primitives": [_marked(p, m, k) for k, p in enumerate(mesh["primitives"])]}
+        for m, mesh in enumerate(header.get("meshes", []))
+    ]
+    return file.with_header(header)
+
+
+def marks_of(node: str, attributes: Iterable[str]) -> tuple[int, int, int]:
+    """Node, mesh and primitive of a node's name and a primitive's attributes in a `marked` file.
+
+    Of several primitives in a mesh, trimesh gives each a node with a suffix.
+    """
+    mark = next(key for key in attributes if key.startswith(_MARK))
+    mesh, primitive = mark.removeprefix(_MARK).split("_")
+    return int(node.partition("_")[0]), int(mesh), int(primitive)
+
+
+def _plain(header: dict[str, Any]) -> dict[str, Any]:
+    nodes = [{key: value for key, value in node.items() if key != "camera"} for node in header.get("nodes", [])]
+    return {**{key: value for key, value in header.items() if key != "cameras"}, "nodes": nodes}
+
+
+def _marked(primitive: dict[str, Any], mesh: int, index: int) -> dict[str, Any]:
+    attributes = primitive["attributes"]
+    return {**primitive, "attributes": {**attributes, f"{_MARK}{mesh}_{index}": attributes["POSITION"]}}
