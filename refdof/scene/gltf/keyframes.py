@@ -68,6 +68,8 @@ def _channel(name: str, node: int, path: str, sampler: dict[str, Any], numbers: 
     columns = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3", "weights": "SCALAR"}[path]
     values = numbers.floats(f"{name}: output", sampler.get("output"), columns)
     width = len(PATHS[path]) if path in PATHS else values.size // (len(times) * (3 if kind == "CUBICSPLINE" else 1))
+    if path == "rotation" and kind == "LINEAR" and not values.any(axis=1).all():
+        raise InputError(f"{name}: output: a quaternion is 0; allowed are those of unit length")
     shape = (len(times), 3, width) if kind == "CUBICSPLINE" else (len(times), width)
     if not width or values.size != np.prod(shape):
         raise InputError(f"{name}: output: has {len(values)} items for {len(times)} keys; allowed is as many for each")
@@ -97,7 +99,8 @@ def value_at(channel: Channel, time: float) -> Float:
 
 
 def _slerp(start: Float, end: Float, t: float) -> Float:
-    """From one unit quaternion to another along the shorter arc."""
+    """From one quaternion to another along the shorter arc; files round their unit length to float32."""
+    start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
     end = -end if start @ end < 0.0 else end
     angle = 2.0 * np.arctan2(np.linalg.norm(end - start), np.linalg.norm(end + start))
     if not angle > 1e-9:  # the arc is a line to a double's last digit
