@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from refdof._check import InputError
+from refdof._check import InputError, as_number
 from refdof.focus.focus_file import load_focus, point_text
 from refdof.focus.focus_lens import focus_lens
 from refdof.focus.point import pick as pick_point
@@ -54,11 +54,13 @@ def pick(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    frame: Annotated[int, typer.Option("--frame", metavar="N", help="Frame of an animated scene, 24 a second.")] = 0,
     name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Print the focus point under a pixel, ready for a focus.toml."""
-    view = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov)))
+    shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov)))
+    view = shot.at_frame(as_number("frame", frame, minimum=0))
     point = pick_point(view, pixel_of(pixel), name)
     if as_json:
         facts = {"name": point.name, "triangle": point.triangle, "barycentrics": point.barycentrics}
@@ -75,7 +77,7 @@ def focus(
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the pictures; made if it is missing.")
     ],
     frames: Annotated[
-        str, typer.Option("--frames", metavar="A:B", help="Frames A to B - 1 of the keyframes. Default: frame 0.")
+        str, typer.Option("--frames", metavar="A:B", help="Frames A to B - 1, 24 a second. Default: frame 0.")
     ] = "0:1",
     file_format: Annotated[
         str, typer.Option("--format", metavar="png|exr|npy", help="Of the pictures: display, or linear.")
@@ -91,7 +93,10 @@ def focus(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Render one or more frames with a lens that follows focus points."""
+    """Render one or more frames with a lens that follows focus points.
+
+    Keyframes of the points and the animation of a glTF file move with the frames.
+    """
     set_threads(threads)
     if file_format not in _FORMATS:
         raise InputError(f"format: got {file_format!r}; allowed are {', '.join(_FORMATS)}")
@@ -105,7 +110,7 @@ def focus(
     with progress_line() as tell, atomic_folder(output, "output") as temporary:
         for frame in range(first, end):
             tell("frames", frame - first, end - first)
-            view = shot.with_lens(focus_lens(wanted, shot, frame))
+            view = shot.at_frame(frame).with_lens(focus_lens(wanted, shot, frame))
             names.append(f"{frame:05d}.{file_format}")
             save_image(temporary / names[-1], render_view(method, view, preset=preset, **params).image)
     print(json.dumps({"output": str(output), "files": names}) if as_json else f"output={output}, frames={len(names)}")

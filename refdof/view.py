@@ -7,7 +7,7 @@ used it, whoever asked first; what nobody asks for is never made.
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -199,6 +199,21 @@ class View:
         other = View(self.scene, self.camera.with_size(size), self.lens)
         other.times_warm_runs = self.times_warm_runs
         other._products = {name: made for name, made in self._products.items() if name in _WITHOUT_SIZE}
+        return other
+
+    def at_frame(self, frame: float) -> "View":
+        """The view of the scene at a frame of its animation: itself where nothing moves, or the scene is there.
+
+        A camera that stands where the scene's does moves on with it.
+        """
+        scene, camera = self.scene.at_frame(frame), self.camera
+        if scene is self.scene:
+            return self
+        before, after = self.scene.camera, scene.camera
+        if (camera.eye, camera.target, camera.up) == (before.eye, before.target, before.up):
+            camera = replace(camera, eye=after.eye, target=after.target, up=after.up)
+        other = View(scene, camera, self.lens)
+        other.times_warm_runs = self.times_warm_runs
         return other
 
     def forget_layers(self) -> None:

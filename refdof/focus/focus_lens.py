@@ -15,12 +15,15 @@ Departures from the paper
 - Weights 1 / d^beta are those of a pixel's distance from each point, in picture heights.
 - Offsets of the image plane go on from where the kind of lens puts it: from the tilted plane, or from the bent one that
   a focal surface needs. In the paper they are alone, or with tilt-shift (its figure 6).
+- A point that fades out takes its constraint along: a plane through two points turns into the one through the other as
+  one fades, and does not jump when it is gone. See `_blend`.
 
 References
 ----------
 .. [1] Lee, Eisemann & Seidel (2010), Real-Time Lens Blur Effects and Focus Control, sections 5.1 to 5.3.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +31,7 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_instance, as_instances, as_number
 from refdof.focus.aperture_spline import LEAST_POWER, aperture_spline, as_controls
-from refdof.focus.focal_plane import focal_plane
+from refdof.focus.focal_plane import FocalPlane, focal_plane
 from refdof.focus.keys import Keys
 from refdof.focus.moving_least_squares import moving_least_squares
 from refdof.focus.point import FocusPoint, Placed, placed
@@ -86,8 +89,11 @@ class Focus:
             object.__setattr__(self, name, as_controls(name, getattr(self, name), least))
 
 
-def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
+def focus_lens(focus: Focus, view: View, frame: float | None = None) -> ThinLens:
     """The lens of the view's lens radius and aperture that follows focus points at a frame.
+
+    The scene is taken to that frame; without one, it stays where it is. A lens for `view.at_frame(frame)` is the same
+    from `view`, which keeps what it finds out for the frames that follow.
 
     Raises
     ------
@@ -97,7 +103,7 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
     """
     as_instance("focus", focus, Focus)
     as_instance("view", view, View)
-    frame = as_number("frame", frame, minimum=-1e9, maximum=1e9)
+    frame = as_number("frame", view.scene.frame if frame is None else frame, minimum=-1e9, maximum=1e9)
     found = placed(list(focus.points), view, frame)
     length = _FOCAL_LENGTH * float(found.focus.min()) if focus.focal_length is None else focus.focal_length
     if not length < found.focus.min():
@@ -112,12 +118,15 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
     }
     bend: Any = 0.0
     if found.image_offset.any():
-        bend = given["image_offset"] = _surfaces(found, camera, found.image_offset)[..., 0]
-    mean = float(found.weight.sum() / (found.weight / found.focus).sum())
+        (bend,) = _blend(found, lambda part: _surfaces(part, camera, part.image_offset))
+        given["image_offset"] = bend
+    mean = 1.0 / float(_blend(found, _inverse))
+    aperture = float(_blend(found, _aperture))
     if focus.kind == "distance":
-        return ExpressiveLens(lens.radius, mean, length, aperture_scale=[[_aperture(found)]], **given)
+        return ExpressiveLens(lens.radius, mean, length, aperture_scale=[[aperture]], **given)
     if focus.kind == "plane":
-        plane = focal_plane(found, camera)
+        a, b, c = _blend(found, lambda part: np.array(focal_plane(part, camera).coefficients)).tolist()
+        plane = FocalPlane((a, b, c))
         inverse = plane.inverse_focus(camera)
         if not inverse.max() < 1.0 / length:
             raise InputError(
@@ -125,14 +134,33 @@ def focus_lens(focus: Focus, view: View, frame: float = 0.0) -> ThinLens:
             )
         axis = 1.0 / plane.coefficients[0]
         offset = 1.0 / (1.0 / length - inverse) - 1.0 / (1.0 / length - 1.0 / axis)
-        given |= {"image_offset": offset + bend, "aperture_scale": [[_aperture(found)]]}
+        given |= {"image_offset": offset + bend, "aperture_scale": [[aperture]]}
         return ExpressiveLens(lens.radius, axis, length, **given)
-    inverse, scale = np.moveaxis(_surfaces(found, camera, 1.0 / found.focus, found.aperture), -1, 0)
+    inverse, scale = _blend(found, lambda part: _surfaces(part, camera, 1.0 / part.focus, part.aperture))
     with np.errstate(divide="ignore"):
         surface = 1.0 / np.maximum(inverse, 0.0)
     return ExpressiveLens(
         lens.radius, mean, length, focal_surface=surface, aperture_scale=np.clip(scale, 0.0, 1.0), **given
     )
+
+
+def _blend(found: Placed, make: Callable[[Placed], Any]) -> Any:
+    """What points make of a focus: the mean, over thresholds up to the largest hold, of what those above each make.
+
+    A point of hold h beside others of 1 has h of what all make, and the rest is of the others alone; so nothing jumps
+    when it goes. It is the Choquet integral over the holds.
+    """
+    levels = np.unique(found.hold)
+    steps = np.diff(levels, prepend=0.0) / levels[-1]
+    above = [found.hold >= level for level in levels]
+    return sum(
+        step * make(Placed(*(values[those] for values in found))) for step, those in zip(steps, above, strict=True)
+    )
+
+
+def _inverse(found: Placed) -> float:
+    """One inverse distance for all: the mean by weight."""
+    return float((found.weight / found.focus).sum() / found.weight.sum())
 
 
 def _aperture(found: Placed) -> float:
@@ -141,7 +169,7 @@ def _aperture(found: Placed) -> float:
 
 
 def _surfaces(found: Placed, camera: Camera, *of_points: Float) -> Float:
-    """(H, W, C): surfaces over the picture through C values of each point, (N,) each."""
+    """(C, H, W): surfaces over the picture through C values of each point, (N,) each."""
     rows, columns = np.mgrid[: camera.height, : camera.width]
     pixels = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=1)
     values = np.stack(of_points, axis=1)
@@ -152,4 +180,4 @@ def _surfaces(found: Placed, camera: Camera, *of_points: Float) -> Float:
         heights[part] = moving_least_squares(
             found.places * scale, values, found.weight, found.falloff, pixels[part] * scale
         )
-    return heights.reshape(camera.height, camera.width, -1)
+    return np.moveaxis(heights.reshape(camera.height, camera.width, -1), 2, 0)

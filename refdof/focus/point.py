@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, InputError, as_bool, as_choice, as_float, as_instance, as_integer, as_number, as_pair
+from refdof.focus.fading import places, shares
 from refdof.focus.keys import as_number_or_keys
 from refdof.view import View
 
@@ -25,9 +26,6 @@ _RANGES: dict[str, dict[str, Any]] = {  # of what may have keyframes
     "weight": {"minimum": 0.0, "maximum": 1e6},
     "image_offset": {},
 }
-_MARGIN = 0.1  # of the picture's height: how far outside of it a point has faded out
-_WINDOW = 0.02  # of the picture's height: radius of the disc whose visible share is the point's
-_SLACK = 0.01  # of the depth: what hides a point is nearer by more than that
 
 
 @dataclass(frozen=True)
@@ -111,6 +109,7 @@ class Placed(NamedTuple):
     weight: Float  # (N,) alpha, less where the point fades out or others are nearer
     falloff: Float  # (N,)
     image_offset: Float  # (N,) [scene units]
+    hold: Float  # (N,) above 0 to 1: how much of the point's constraint is left, less where less than half of it counts
 
 
 def pick(view: View, pixel: tuple[int, int], name: str = "") -> FocusPoint:
@@ -136,30 +135,32 @@ def pick(view: View, pixel: tuple[int, int], name: str = "") -> FocusPoint:
     return FocusPoint(triangle, tuple((np.maximum(shares, 0.0) / np.maximum(shares, 0.0).sum()).tolist()), name=name)
 
 
-def placed(points: list[FocusPoint], view: View, frame: float = 0.0) -> Placed:
-    """The points as a view's camera sees them at a frame.
+def placed(points: list[FocusPoint], view: View, frame: float | None = None) -> Placed:
+    """The points as a view's camera sees them at a frame. Default: the one that the scene stands at.
 
     A point outside the picture fades out over a tenth of its height, a hidden one as its surroundings are hidden: by
-    the visible share of a disc of a fiftieth of the height. Of two points, the nearer weighs more, in proportion.
+    the visible share of a disc of a fiftieth of the height. Where the scene moves, both change smoothly in time:
+    `refdof.focus.fading`. Of two points, the nearer weighs more, in proportion.
 
     Raises
     ------
     InputError
         If a triangle does not exist, or no point counts.
     """
-    faces, camera = view.scene.faces, view.camera
+    faces, frame = view.scene.faces, view.scene.frame if frame is None else frame
     for point in points:
         if point.triangle >= len(faces):
             raise InputError(f"triangle: got {point.triangle}; the scene has {len(faces)}, counted from 0")
-    corners = view.scene.vertices[faces[[point.triangle for point in points]]].reshape(len(points), 3, 3)
-    world = (np.array([point.barycentrics for point in points]).reshape(-1, 3, 1) * corners).sum(axis=1)
-    x, y, depth = camera.project(world).T
+    triangles = np.array([point.triangle for point in points])
+    barycentrics = np.array([point.barycentrics for point in points])
+    x, y, depth = places(triangles, barycentrics, view.at_frame(frame)).T
     weight = np.array([point.value("weight", frame) for point in points])
-    for k, point in enumerate(points):
-        if not depth[k] > 0.0:
-            weight[k] = 0.0
-        elif not point.keep:
-            weight[k] *= _inside(x[k], y[k], camera.size) * _visible(view, x[k], y[k], depth[k])
+    weight[~(depth > 0.0)] = 0.0
+    fades = np.array([not point.keep for point in points]) & (weight > 0.0)
+    share = np.ones(len(points))
+    if fades.any():
+        share[fades] = shares(triangles[fades], barycentrics[fades], view, frame)
+    weight *= share
     counts = weight > 0.0
     if not counts.any():
         raise InputError("points: none of them is in the picture; allowed is one that is, or `keep`")
@@ -170,26 +171,5 @@ def placed(points: list[FocusPoint], view: View, frame: float = 0.0) -> Placed:
     others = [point.falloff for point in points], [point.value("image_offset", frame) for point in points]
     nearest = depth[counts].min()
     weight = weight * nearest / np.where(counts, depth, 1.0)
+    others = [*others, np.minimum(2.0 * share, 1.0)]
     return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, *others)))
-
-
-def _inside(x: float, y: float, size: tuple[int, int]) -> float:
-    """1 inside the picture, 0 beyond the margin, smooth between."""
-    width, height = size
-    beyond = np.hypot(max(-x, x - width, 0.0), max(-y, y - height, 0.0)) / (_MARGIN * height)
-    rest = max(1.0 - float(beyond), 0.0)
-    return rest * rest * (3.0 - 2.0 * rest)
-
-
-def _visible(view: View, x: float, y: float, depth: float) -> float:
-    """Share of the pixels about a place that show nothing nearer than `depth`; 1 where there are none."""
-    width, height = view.camera.size
-    reach = max(_WINDOW * height, 1.0)
-    rows = np.arange(max(int(y - reach), 0), min(int(y + reach) + 1, height))[:, None]
-    columns = np.arange(max(int(x - reach), 0), min(int(x + reach) + 1, width))[None, :]
-    near = np.hypot(columns + 0.5 - x, rows + 0.5 - y) <= reach
-    if not near.any():
-        return 1.0
-    rows, columns = np.broadcast_arrays(rows, columns)
-    seen = view.pinhole().depth[rows[near], columns[near]]
-    return float((seen >= depth * (1.0 - _SLACK)).mean())

@@ -136,6 +136,11 @@ class Scene:
         """First and last frame of the animation, 24 a second; None: the scene stands still."""
         return None if self.animation is None else (self.animation.first, self.animation.last)
 
+    @property
+    def frame(self) -> float:
+        """The frame of the animation that the scene stands at; 0 where nothing moves."""
+        return 0.0 if self.animation is None or self.animation.frame is None else self.animation.frame
+
     def at_frame(self, frame: float) -> "Scene":
         """The scene at a frame, which may lie between whole ones: the same faces, with moved vertices and normals.
 

@@ -108,7 +108,7 @@ def placed_at(places, focus, weight=None):
     focus = np.asarray(focus, dtype=float)
     return Placed(
         np.asarray(places, dtype=float), focus, focus, np.ones(count), np.ones(count) if weight is None else weight,
-        np.full(count, 3.0), np.zeros(count),
+        np.full(count, 3.0), np.zeros(count), np.ones(count),
     )  # fmt: skip
 
 

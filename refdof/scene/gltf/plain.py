@@ -19,9 +19,12 @@ def without_cameras(file: GltfFile) -> bytes | None:
 
 
 def marked(file: GltfFile) -> bytes:
-    """`without_cameras`, but that nodes and primitives tell which they are: `marks_of`."""
+    """`without_cameras`, but that nodes and primitives tell which they are: `marks_of`. Nodes stand at 0."""
     header = _plain(file.header)
-    header["nodes"] = [{**node, "name": str(index)} for index, node in enumerate(header["nodes"])]
+    header["nodes"] = [
+        {"name": str(index), **{key: node[key] for key in ("mesh", "children") if key in node}}
+        for index, node in enumerate(header["nodes"])
+    ]
     header["meshes"] = [
         {**mesh, "primitives": [_marked(p, m, k) for k, p in enumerate(mesh["primitives"])]}
         for m, mesh in enumerate(header.get("meshes", []))

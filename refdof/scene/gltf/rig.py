@@ -155,7 +155,7 @@ def _normals(part: _Part, vertices: Float, weights: Float, matrix: Float) -> Flo
 
 
 def turned_normals(normal: Float, matrix: Float) -> Float:
-    """Unit normals (V, 3) of a surface moved by a matrix (3, 3), or by one for each (V, 3, 3); NaN where it has none."""
+    """Unit normals (V, 3) of a surface moved by a matrix (3, 3), or by one each (V, 3, 3); NaN where none is left."""
     x, y, z = (matrix[..., k] for k in range(3))
     # The cofactor matrix turns normals as the matrix turns surfaces, even where it has no inverse.
     cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-2)
