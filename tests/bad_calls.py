@@ -77,6 +77,7 @@ EVEN = Scene.from_parts("even", [Part(CORNERS, FACES, Material("unlit"))], CAMER
 LIGHT = Light(environment=np.full((2, 2, 3), 0.5))
 PART = Part(CORNERS, FACES, MATERIAL, UV, np.full((3, 3), 0.5), NORMAL)
 SCENE = Scene.from_parts("stage", [PART], CAMERA, LENS, (0.1, 0.2, 0.3), LIGHT)
+MOVING = SCENE.with_frames(np.stack([SCENE.vertices, SCENE.vertices + 0.5]))
 COLOR = np.linspace(0.1, 1.0, 18).reshape(2, 3, 3).astype(np.float32)
 WIDE = np.linspace(0.0, 1.0, 363).reshape(11, 11, 3)
 DEPTH = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, INF]])
@@ -398,6 +399,8 @@ DOORS: dict[str, Door] = {
         {f.name: getattr(SCENE, f.name) for f in fields(Scene)},
         {"vertices": ("faces", "uv", "color", "normal"), "faces": ("face_material",), "materials": ("face_material",)},
     ),
+    "refdof.scene.scene.Scene.at_frame": Door(MOVING.at_frame, {"frame": 0.5}),
+    "refdof.scene.scene.Scene.with_frames": Door(SCENE.with_frames, {"vertices": np.stack([SCENE.vertices] * 2)}),
     "refdof.scene.scene.Scene.from_parts": Door(
         Scene.from_parts,
         {"name": "a", "parts": [PART], "camera": CAMERA, "lens": LENS, "background": (0.0, 0.0, 0.0), "light": LIGHT},
@@ -407,6 +410,7 @@ DOORS: dict[str, Door] = {
     "refdof.scene.scene.Scene.with_shading": Door(SCENE.with_shading, {"shading": "unlit"}),
     "refdof.stages.Stages": Door(refdof.Stages, {"steps": (1, 2), "pixels": ((0, 1),)}),
     "refdof.view.View": Door(View, _SHOT),
+    "refdof.view.View.at_frame": Door(View(MOVING, CAMERA, LENS).at_frame, {"frame": 0.5}),
     "refdof.view.View.with_lens": Door(lambda **words: _view().with_lens(**words), {"lens": LENS}),
     "refdof.view.View.with_size": Door(lambda **words: _view().with_size(**words), {"size": (32, 24)}),
     "refdof.focus.point.FocusPoint": Door(
@@ -577,11 +581,12 @@ INNER_MODULES = {
     "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
-    "focus.aperture_spline", "focus.focus_file", "focus.keys", "focus.moving_least_squares", "focus_cli", "listing_cli",
-    "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
+    "focus.aperture_spline", "focus.fading", "focus.focus_file", "focus.keys", "focus.moving_least_squares",
+    "focus_cli", "listing_cli", "main_cli", "lens_cli", "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
-    "scene.builtin", "scene.gltf_camera", "scene.kit", "scene.lens_chart", "scene.smooth_normals", "scene.framing",
+    "scene.builtin", "scene.animation", "scene.gltf", "scene.kit", "scene.lens_chart", "scene.smooth_normals",
+    "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
     "raster.rays.shading", "raster.rays.surfaces",
     "raster.gpu.tile_bins", "raster.gpu.tile_drawing", "raster.gpu.clip", "raster.gpu.depth_format",
@@ -734,7 +739,7 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(("scene.builtin.", "scene.kit.", "report.", "oracle.", "data")):
+        if short.startswith(("scene.builtin.", "scene.gltf.", "scene.kit.", "report.", "oracle.", "data")):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

@@ -171,5 +171,5 @@ def placed(points: list[FocusPoint], view: View, frame: float | None = None) -> 
     others = [point.falloff for point in points], [point.value("image_offset", frame) for point in points]
     nearest = depth[counts].min()
     weight = weight * nearest / np.where(counts, depth, 1.0)
-    others = [*others, np.minimum(2.0 * share, 1.0)]
-    return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, *others)))
+    hold = np.minimum(2.0 * share, 1.0)
+    return Placed(*(np.asarray(values, dtype=np.float64)[counts] for values in (*found, weight, *others, hold)))

@@ -1,16 +1,21 @@
 """Focus points on geometry that moves: they keep their place, stay sharp, and fade smoothly in time."""
 
+import json
 import math
+import tomllib
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from refdof import Camera, InputError, ThinLens, View, load_scene
+from refdof import Camera, InputError, ThinLens, View, load_scene, render
+from refdof.cli import app
 from refdof.focus.fading import shares
 from refdof.focus.focus_lens import KINDS, Focus, focus_lens
 from refdof.focus.point import FocusPoint, pick, placed
+from refdof.image.file import load_image
 from tests.animated_gltf import Builder
 from tests.flat_scene import rectangle, scene_of
 
@@ -200,3 +205,50 @@ def test_a_still_scene_looks_at_no_other_frame(monkeypatch):
     monkeypatch.setattr(View, "product", lambda self, name, build: made.append(name) or build())
     placed([FocusPoint(0, THIRDS)], still, 7)
     assert set(made) == {"pinhole", "layers 1", "surfaces", "tracer"}
+
+
+def lift(folder):
+    """A GLB file: a card that comes nearer, before a wall; seen by a camera of the file that stands still."""
+    made = Builder()
+    card = np.array([[-0.7, -0.7, 0], [0.7, -0.7, 0], [0.7, 0.7, 0], [-0.7, 0.7, 0]], dtype=np.float32)
+    faces = [[0, 1, 2], [0, 2, 3]]
+    made.node(root=True, mesh=made.mesh((card, faces, {}, {})))
+    made.node(root=True, mesh=made.mesh((card * 20, faces, {}, {})), translation=[0, 0, -6])
+    made.header["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.8, "aspectRatio": 4 / 3, "znear": 0.1}}]
+    made.node(root=True, camera=0, translation=[0, 0, 6])
+    made.move(0, "translation", [0.0, 0.25], [[0, 0, 0], [0, 0, 3]])
+    return made.write(folder)
+
+
+def command(*words):
+    return CliRunner().invoke(app, [*words], catch_exceptions=False).stdout
+
+
+def test_the_command_line_follows_an_animation(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lift(tmp_path)
+    size = ["--size", "24x18"]
+    early = command("pick", "moving.glb", "--pixel", "12,9", "--frame", "0", *size)
+    late = command("pick", "moving.glb", "--pixel", "12,9", "--frame", "6", *size)
+    assert early != late  # another place of the card, which is nearer
+    assert command("pick", "moving.glb", "--pixel", "12,9", *size) == early
+    # Half the card is 0.7 P / 6 = 2.5 px wide at frame 0, and 5.0 at frame 6: pixel 8 is the wall's, then the card's.
+    found = [json.loads(command("pick", "moving.glb", "--pixel", "8,9", "--frame", f, "--json", *size)) for f in "06"]
+    card = tomllib.loads(early)["point"][0]["triangle"] // 2
+    assert [point["triangle"] // 2 for point in found] == [1 - card, card]
+    (tmp_path / "focus.toml").write_text(early)
+    words = ["focus", "moving.glb", "--points", "focus.toml", "--method", "scatter", "--format", "npy", *size]
+    assert command(*words, "-o", "all", "--frames", "0:7").strip() == "output=all, frames=7"
+    command(*words, "-o", "one", "--frames", "5:6")
+    assert (tmp_path / "one" / "00005.npy").read_bytes() == (tmp_path / "all" / "00005.npy").read_bytes()
+    scene = load_scene(tmp_path / "moving.glb")
+    for frame, depth in ((0, 6.0), (3, 4.5), (6, 3.0)):
+        posed = scene.at_frame(frame)
+        camera = posed.camera.with_size((24, 18))
+        thin = render("scatter", posed, camera, replace(scene.lens, focus_distance=depth)).image
+        # The focal surface of one point is even; it is float64, and the picture float32.
+        np.testing.assert_allclose(load_image(tmp_path / "all" / f"{frame:05d}.npy"), thin, atol=1e-5)
+    command("render", "moving.glb", "--method", "scatter", "--focus-points", "focus.toml", "-o", "still.npy", *size)
+    assert (tmp_path / "still.npy").read_bytes() == (tmp_path / "all" / "00000.npy").read_bytes()
+    with pytest.raises(InputError, match="frame: got -1"):
+        command("pick", "moving.glb", "--pixel", "12,9", "--frame", "-1", *size)
