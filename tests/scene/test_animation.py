@@ -48,6 +48,15 @@ def test_what_is_smooth_stays_smooth():
     np.testing.assert_allclose(np.abs(normal[~on_fold, 2]), math.sqrt(0.5), atol=1e-7)
 
 
+def test_what_has_a_crease_keeps_it():
+    """A roof of two squares at a right angle, each of one normal, which moves as it is."""
+    floor = Part([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]], paint((1, 1, 1)))
+    wall = Part([[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]], [[0, 1, 2], [0, 2, 3]], paint((1, 1, 1)))
+    roof = scene_of([floor, wall], CAMERA)
+    moved = roof.with_frames(np.stack([roof.vertices, roof.vertices + 3.0])).at_frame(1)
+    np.testing.assert_allclose(moved.normal, roof.normal, atol=1e-7)  # float32
+
+
 def test_poses_are_their_own():
     """Writing to a pose's arrays, or to what was given, changes no other pose."""
     given = FRAMES.copy()

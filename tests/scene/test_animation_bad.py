@@ -149,3 +149,7 @@ def test_integers_that_stand_for_fractions(tmp_path):
     made.header["nodes"][1]["translation"] = [0, 6.5, 0]  # 5 above its bind pose
     found = load_mesh(made.write(tmp_path)).vertices
     assert found[:, 1].min() == pytest.approx(1.0, abs=1e-12)  # a fifth of 5
+    made = morphed()
+    # Two keys of one weight, 0 and 51 / 255 = 0.2, of a target that lies 1 off.
+    made.header["animations"][0]["samplers"][0]["output"] = made.numbers([0, 51], np.uint8, normalized=True)
+    np.testing.assert_allclose(load_mesh(made.write(tmp_path)).at_frame(24).vertices, TRIANGLE + 0.2, atol=1e-12)
