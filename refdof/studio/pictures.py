@@ -127,7 +127,7 @@ class Pictures:
                 for (other, at), view in self._views.items()
                 if (at, other.with_size(camera.size)) == (frame, camera)
             ]
-            last = views[-1].with_size(camera.size) if views else View(self.scene, camera, lens)
+            last = views[-1].with_size(camera.size) if views else View(self.scene.at_frame(frame), camera, lens)
         view = last.with_lens(lens)
         self._views[key] = view
         while len(self._views) > _KEPT:
