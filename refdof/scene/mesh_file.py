@@ -102,8 +102,13 @@ def load_mesh(
         file_camera = animation.camera
     else:
         file_camera = None if file is None else gltf_camera(file.header)
-    camera = file_camera or suggest_camera(scene.vertices, scene.faces, up)
-    lens = suggest_lens(scene.vertices, scene.faces, camera)
+    shown = scene.vertices
+    if animation is not None and not np.ptp(shown, axis=0).any():  # what is yet to grow is shown as it will be
+        shown = scene.at_frame(animation.last).vertices
+        if not np.ptp(shown, axis=0).any():
+            raise _refusal(path, "its triangles have no extent at its first and last frame")
+    camera = file_camera or suggest_camera(shown, scene.faces, up)
+    lens = suggest_lens(shown, scene.faces, camera)
     x, y, z = scene.light.sun_direction
     light = Light() if up == 1 else Light(sun_direction=(x, -z, y))  # the sun stands above the model's front
     if animation is not None and animation.first == animation.last:

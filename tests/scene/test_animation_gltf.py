@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from refdof import InputError
 from refdof.scene.mesh_file import load_mesh
 from tests.animated_gltf import Builder
 from tests.scene.naive_animation import corners
@@ -212,6 +213,19 @@ def test_normals_turn_with_their_surface(tmp_path):
     at = {tuple(np.round(v, 6).tolist()): n for v, n in zip(posed.vertices, posed.normal, strict=True)}
     np.testing.assert_allclose(at[0.0, 0.0, 5.0], (0, 0, 1), atol=1e-6)  # the foot stands upright
     np.testing.assert_allclose(at[0.0, 1.5, 6.5], (0, -1, 0), atol=1e-6)  # the top lies, and looks down
+
+
+def test_what_grows_from_nothing_is_framed_as_it_will_be(tmp_path):
+    made = one_triangle()
+    made.move(0, "scale", [0.0, 1.0], [[0, 0, 0], [1, 1, 1]])
+    scene = load_mesh(made.write(tmp_path))
+    np.testing.assert_allclose(places(scene, 24), TRIANGLE, atol=EXACT)
+    x, y, _ = scene.camera.project(places(scene, 24)).T
+    assert 0 < x.min() < x.max() < 640
+    assert 0 < y.min() < y.max() < 480
+    made.header["animations"][0]["samplers"][0]["output"] = made.numbers(np.zeros((2, 3)))
+    with pytest.raises(InputError, match="its triangles have no extent at its first and last frame"):
+        load_mesh(made.write(tmp_path))
 
 
 def test_a_camera_moves(tmp_path):
