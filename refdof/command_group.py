@@ -11,7 +11,7 @@ __all__ = ["COMMANDS", "Commands"]
 
 
 class Home(NamedTuple):
-    """Where a command is made, `refdof.MODULE.ADDER`, and the first line of its help."""
+    """Where a command is made, by a function of a module of refdof, and the first line of its help."""
 
     module: str
     adder: str

@@ -260,7 +260,7 @@ class Session:
             "overlays": list(OVERLAYS),
             "scenes": list(SCENES),
             "lens_files": list(LENSES),
-            "frames": None,
+            "frames": None if scene.frames is None else list(scene.frames),
             "folder": self._folder.root.name,
             "files": self._folder.listing(),
         }
