@@ -54,7 +54,7 @@ from refdof.options import (
 )
 from refdof.progress import progress_line
 from refdof.rendering import PRESETS, make_params, render_view
-from refdof.report import markdown_table, rows_as_json, write_comparisons
+from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.scene.builtin import SCENES
 from refdof.shot import CameraChoice, LensChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
@@ -207,11 +207,14 @@ def compare(
     tolerance: Tolerance = None,
     max_samples: Most = None,
     threads: Threads = None,
+    wide: Annotated[bool | None, typer.Option("--wide", help="Print all columns, beyond 80 characters.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare methods with a reference: table, images and report."""
     set_threads(threads)
     samples, max_samples = sample_counts(samples, tolerance, max_samples)
+    if as_json:
+        refuse_ignored("with --json", "without it", wide=wide)
     check_folder(out)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
@@ -234,8 +237,9 @@ def compare(
     if as_json:
         tables = [rows_as_json(comparison) for comparison in comparisons]
         print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
-    else:
-        print(markdown_table(comparisons))
+        return
+    print(markdown_table(comparisons) if wide else terminal_table(comparisons))
+    print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
 
 
 def warm() -> None:

@@ -45,6 +45,8 @@ def test_compare_writes_everything(tmp_path):
     done = refdof("compare", "branches", *SMALL, "--out", "here", "--set", "accumulation.samples=16", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("### branches, 48 x 36")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert done.stdout.endswith("\nReport: here/report.html; all columns: here/table.md, or --wide\n")
     names = {path.name for path in (tmp_path / "here").iterdir()}
     assert names >= {"table.md", "table.csv", "table.json", "overview.png", "report.html"}
     assert names >= {f"{name}.{kind}" for name in [*METHODS, "reference"] for kind in ("png", "npy")}

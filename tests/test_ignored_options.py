@@ -24,6 +24,7 @@ REFUSED = [
     (OF_MIPMAP, "steps", "1,4", "with methods that record none (mipmap)"),
     (OF_MIPMAP, "pixel", "1,4", "with methods that record none (mipmap)"),
     (["export", "fence", "--methods", "mipmap", "--out", "a"], "steps", "4", "with methods that record none (mipmap)"),
+    (["compare", "fence", "--json"], "wide", None, "with --json"),
     (OF_POISSON, "pixel", "1,4", "with methods that record none (poisson, mipmap)"),
     *((words, option, value, "without --lens")
       for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
@@ -70,7 +71,7 @@ HEEDED = {
     "explain": "pixel stage out threads json",
     "lens": "focus out threads json",
     "studio": "port no-open threads",
-    "pick": "pixel size eye target up fov name json",
+    "pick": "pixel frame size eye target up fov name json",
     "focus": "points method output frames format set preset size eye target up fov lens-radius threads json",
 }
 

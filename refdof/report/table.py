@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,10 @@ from refdof.comparison import Comparison, Row
 from refdof.metrics import METRICS
 from refdof.report.rows import DISPLAY, at_noise_floor, plain
 
-__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "reference_line", "texts"]
+__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "reference_line", "terminal_table", "texts"]
+
+NARROW = ("psnr", "ssim", "flip", "blur_s")
+_TERMINAL = 80  # characters a line
 
 
 class Column(NamedTuple):
@@ -33,16 +37,32 @@ def markdown_table(comparisons: Sequence[Comparison]) -> str:
     """One aligned table for each scene, and beneath it what its scores rest on. Ends with a line feed."""
     blocks = []
     for comparison in comparisons:
-        head = ["method", *(column.heading for column in columns()), "note"]
-        body = [
-            [row.name, *texts(row).values(), "at the noise floor" if at_noise_floor(row, comparison) else ""]
-            for row in comparison.rows
-        ]
-        width, height = comparison.camera.size
-        blocks.append(f"### {comparison.scene}, {width} x {height}")
-        blocks.append(_aligned(head, body))
-        blocks.append(reference_line(comparison))
+        blocks += [_heading(comparison), _rows(comparison, columns(), "at the noise floor"), reference_line(comparison)]
     return "\n\n".join([*blocks, footnote()]) + "\n"
+
+
+def terminal_table(comparisons: Sequence[Comparison]) -> str:
+    """The columns that most people look at first, in 80 characters: `markdown_table` has all."""
+    shown = [column for column in columns() if column.key in NARROW]
+    blocks = []
+    for comparison in comparisons:
+        worth = textwrap.fill(reference_line(comparison), _TERMINAL)
+        blocks += [_heading(comparison), _rows(comparison, shown, "noise floor"), worth]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _heading(comparison: Comparison) -> str:
+    width, height = comparison.camera.size
+    return f"### {comparison.scene}, {width} x {height}"
+
+
+def _rows(comparison: Comparison, shown: Sequence[Column], note: str) -> str:
+    head, body = ["method", *(column.heading for column in shown), "note"], []
+    for row in comparison.rows:
+        values = texts(row)
+        noted = note if at_noise_floor(row, comparison) else ""
+        body.append([row.name, *(values[column.key] for column in shown), noted])
+    return _aligned(head, body)
 
 
 def texts(row: Row) -> dict[str, str]:

@@ -18,7 +18,7 @@ from refdof._check import InputError
 from refdof.image.display import to_8_bit
 from refdof.image.file import load_image
 from refdof.metrics import METRICS, Metric, scores
-from refdof.report import markdown_table, page, rows_as_json, write_comparison, write_comparisons
+from refdof.report import markdown_table, page, rows_as_json, terminal_table, write_comparison, write_comparisons
 from tests.fake_comparison import SCORES, comparison
 
 
@@ -128,6 +128,20 @@ def test_csv_has_the_numbers_of_the_json(tmp_path):
         assert strict_json(line["params"]) == row["params"]
         for key in [*SCORES, "prepare_s", "blur_s", "spread_s"]:
             assert float(line[key]) == row[key]
+
+
+def test_the_table_of_a_terminal_has_80_characters_and_the_same_numbers():
+    long = replace(comparison(), rows=[replace(row, method="accumulation", preset="paper") for row in comparison().rows])
+    for shown in (comparison(), long):
+        lines = terminal_table([shown, shown]).splitlines()
+        assert max(map(len, lines)) <= 80
+        cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+        whole = [line.strip("|").split("|") for line in markdown_table([shown]).splitlines() if line.startswith("| ")]
+        head = [cell.strip() for cell in whole[0]]
+        assert cells[0] == ["method", "PSNR [dB]", "SSIM", "FLIP", "blur [s]", "note"]
+        for narrow, wide in zip(cells[2 : 2 + len(shown.rows)], whole[2:], strict=True):
+            values = dict(zip(head, (cell.strip() for cell in wide), strict=True))
+            assert narrow[:-1] == [values[name] for name in cells[0][:-1]]
 
 
 def test_headings_of_the_table():
