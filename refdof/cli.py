@@ -4,7 +4,9 @@ stdout carries the result only; progress and errors go to stderr. Exit status: 0
 names the argument, what it got and what is allowed.
 """
 
+import errno
 import gc
+import os
 import sys
 from typing import Annotated, Any
 
@@ -17,6 +19,7 @@ from refdof.command_group import Commands
 __all__ = ["app", "main"]
 
 _INTERRUPTED = 130  # what a shell reports after Ctrl-C
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command line, whichever click typer brings
 
 app = typer.Typer(
@@ -55,6 +58,15 @@ def main() -> None:
     gc.freeze()  # what is imported stays to the end: looking for garbage in it takes a tenth of a short run
     try:
         status = app(standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who reads has enough, as `head` does
+        _silence()
+        sys.exit(0)
+    except OSError as error:
+        if error.filename is not None or error.errno not in _FULL:
+            raise
+        _silence()
+        _fail(f"stdout: cannot write ({error.strerror}); allowed is a place with room", 2)
     except InputError as error:
         _fail(str(error), 2)
     except _UsageError as error:
@@ -65,6 +77,11 @@ def main() -> None:
         _fail("interrupted; nothing was written", _INTERRUPTED)
     gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _silence() -> None:
+    """Let Python's own last flush of stdout go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _fail(message: str, status: int) -> None:

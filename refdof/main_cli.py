@@ -3,6 +3,8 @@
 import json
 import shlex
 import sys
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -232,6 +234,7 @@ def compare(
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
+        comparisons = _told_apart(comparisons, scenes or [DEFAULT_SCENE])
         tell("report", 0, 1)
         write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
     if as_json:
@@ -240,6 +243,15 @@ def compare(
         return
     print(markdown_table(comparisons) if wide else terminal_table(comparisons))
     print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+
+
+def _told_apart(comparisons: list[Comparison], names: list[str]) -> list[Comparison]:
+    """Files of one name in two folders are called as on the command line."""
+    count = Counter(comparison.scene for comparison in comparisons)
+    return [
+        replace(comparison, scene=name) if count[comparison.scene] > 1 else comparison
+        for comparison, name in zip(comparisons, names, strict=True)
+    ]
 
 
 def warm() -> None:

@@ -85,3 +85,33 @@ def test_suffixes_may_be_capitals(tmp_path):
     words = ["render", "cans", "--method", "scatter", "--size", "16x12", "-o", str(tmp_path / "a.PNG")]
     assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
     assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full, as Linux has")
+def test_a_full_disk_behind_stdout_is_one_line():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([sys.executable, "-m", "refdof.cli", "scenes"], stdout=full, stderr=subprocess.PIPE)
+    assert done.returncode == 2
+    assert done.stderr == b"refdof: stdout: cannot write (No space left on device); allowed is a place with room\n"
+
+
+def test_a_reader_that_has_enough_is_no_error():
+    command = [sys.executable, "-m", "refdof.cli", "methods", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        child.stdout.close()
+        errors = child.stderr.read()
+    assert errors == b""
+
+
+def test_files_of_one_name_are_told_apart(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for folder in ("d1", "d2"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    words = ["compare", "d1/a.obj", "d2/a.obj", "--methods", "scatter", "--size", "16x12", "--samples", "16"]
+    done = CliRunner().invoke(app, words, catch_exceptions=False)
+    assert [line for line in done.stdout.splitlines() if "###" in line] == [
+        "### d1/a.obj, 16 x 12",
+        "### d2/a.obj, 16 x 12",
+    ]
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"d1-a.obj", "d2-a.obj"}

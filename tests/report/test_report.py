@@ -131,7 +131,9 @@ def test_csv_has_the_numbers_of_the_json(tmp_path):
 
 
 def test_the_table_of_a_terminal_has_80_characters_and_the_same_numbers():
-    long = replace(comparison(), rows=[replace(row, method="accumulation", preset="paper") for row in comparison().rows])
+    long = replace(
+        comparison(), rows=[replace(row, method="accumulation", preset="paper") for row in comparison().rows]
+    )
     for shown in (comparison(), long):
         lines = terminal_table([shown, shown]).splitlines()
         assert max(map(len, lines)) <= 80
