@@ -8,6 +8,7 @@ import errno
 import gc
 import os
 import sys
+import warnings
 from typing import Annotated, Any
 
 import typer
@@ -55,6 +56,7 @@ def _refdof(
 
 def main() -> None:
     """Run the command line; bad input is one line on stderr and status 2."""
+    warnings.formatwarning = _one_line
     gc.freeze()  # what is imported stays to the end: looking for garbage in it takes a tenth of a short run
     try:
         status = app(standalone_mode=False)
@@ -77,6 +79,10 @@ def main() -> None:
         _fail("interrupted; nothing was written", _INTERRUPTED)
     gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _one_line(message: Warning | str, *_: Any, **__: Any) -> str:
+    return "refdof: warning: " + " ".join(str(message).split()) + "\n"
 
 
 def _silence() -> None:

@@ -14,6 +14,7 @@ Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
 
 import io
 import logging
+import urllib.parse
 import warnings
 from codecs import BOM_UTF8
 from dataclasses import replace
@@ -28,6 +29,7 @@ from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf.camera import gltf_camera
+from refdof.scene.gltf.extensions import left_out_extensions
 from refdof.scene.gltf.file import GltfFile, read_gltf
 from refdof.scene.gltf.plain import marked, marks_of, without_cameras
 from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
@@ -39,6 +41,9 @@ __all__ = ["load_mesh"]
 
 _GLTF = ("glb", "gltf")
 _TEXT = ("obj", "off")
+_MOST_BYTES = 1 << 30  # of a file beside the mesh
+_MOST_PIXELS = 1 << 26  # of a texture: 8192 x 8192, 805 MB as linear colours
+_LONGEST_WARNING = 500
 _GREY = (0.5, 0.5, 0.5)  # albedo of what has no colour
 _WHITE = (1.0, 1.0, 1.0)  # leaves the colours of a texture or of vertices as they are
 _SPECULAR = (0.04, 0.04, 0.04)  # normal reflectance of glass and plastic, glTF 2.0 appendix B
@@ -78,12 +83,14 @@ def load_mesh(
     try:
         _check_kind(path)
         file = read_gltf(path) if _suffix(path) in _GLTF else None
-        rig = None if file is None or not is_rigged(file.header) else read_rig(file, _beside(path).get)
+        beside, looks = _Beside(path), _Looks(shading, linear_colors=_suffix(path) in _GLTF)
+        extensions = [] if file is None else left_out_extensions(file.header)
+        rig = None if file is None or not is_rigged(file.header) else read_rig(file, beside.get)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             # NumPy's word for garbage between numbers; what follows would be lost in silence.
             warnings.filterwarnings("error", message="string or file could not be read")
-            parts, limbs = _read(path, shading, file, rig)
+            parts, limbs = _read(path, looks, beside, file, rig)
         # The shot follows from the scene, so a stand-in comes first.
         camera, lens = Camera((0, 0, 1), (0, 0, 0)), ThinLens(0.0, 1.0)
         scene = Scene.from_parts(path.stem, parts, camera, lens, background)
@@ -94,6 +101,10 @@ def load_mesh(
     except Exception as error:  # trimesh lets through whatever its parsers meet
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise _refusal(path, f"it cannot be read ({reason[:160]})") from error
+    left_out = [f"{name} ({reason})" for name, reason in {**beside.missing, **looks.broken}.items()]
+    left_out += [f"the extension {name}" for name in extensions]
+    if left_out:
+        warnings.warn(f"{path.name}: left out: {', '.join(left_out)}"[:_LONGEST_WARNING], stacklevel=2)
     if not len(scene.faces):
         raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
     up = 1 if file is not None else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
@@ -135,11 +146,55 @@ def _check_kind(path: Path) -> None:
         raise InputError("it is empty")
 
 
-def _beside(path: Path) -> Any:
-    return trimesh.resolvers.FilePathResolver(str(path))  # textures and buffers lie beside the file
+class _Beside(trimesh.resolvers.FilePathResolver):
+    """The files that a mesh file names: plain ones in its folder or below, in any letter case.
+
+    `missing` has those that are left out, with the reason.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(str(path))
+        self._root = path.parent.resolve()
+        self.missing: dict[str, str] = {}
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file by its name, which may be a URI, with slashes of any system."""
+        for text in dict.fromkeys((name, urllib.parse.unquote(name))):
+            try:
+                path = _in_any_case(self._root, text.strip().replace("\\", "/"))
+            except (OSError, ValueError) as error:
+                self.missing[name] = str(error)
+                continue
+            if path.stat().st_size > _MOST_BYTES:
+                self.missing[name] = f"it has {path.stat().st_size} bytes; allowed are at most {_MOST_BYTES}"
+                continue
+            self.missing.pop(name, None)
+            return path.read_bytes()
+        raise FileNotFoundError(f"{name}: {self.missing[name]}")
 
 
-def _read(path: Path, shading: str, file: GltfFile | None, rig: Rig | None) -> tuple[list[Part], list[Limb]]:
+def _in_any_case(root: Path, name: str) -> Path:
+    """The plain file of a name below `root`; of names that differ in letter case only, the first."""
+    if "://" in name:
+        raise ValueError("it is on another machine; allowed are files beside the mesh")
+    path = root
+    for part in Path(name).parts:
+        found = path / part
+        if not found.exists() and path.is_dir():
+            alike = sorted(other.name for other in path.iterdir() if other.name.lower() == part.lower())
+            found = path / alike[0] if alike else found
+        path = found
+    path = path.resolve()
+    if not path.is_relative_to(root):
+        raise ValueError("it is outside of the mesh file's folder")
+    if not path.is_file():
+        raise ValueError("it is no plain file" if path.exists() else "there is no such file")
+    return path
+
+
+def _read(
+    path: Path, looks: "_Looks", beside: _Beside, file: GltfFile | None, rig: Rig | None
+) -> tuple[list[Part], list[Limb]]:
     """All meshes of the file, in world space; with a rig, in their nodes' space, and each part's limb."""
     if file is None:
         data = _tidied(path)
@@ -147,8 +202,7 @@ def _read(path: Path, shading: str, file: GltfFile | None, rig: Rig | None) -> t
         data = without_cameras(file) if rig is None else marked(file)
     opened: Any = path if data is None else io.BytesIO(data)
     kind = None if data is None else _suffix(path)
-    loaded = trimesh.load_scene(opened, kind, _beside(path), process=False)  # neither merge nor drop vertices
-    looks = _Looks(shading, linear_colors=_suffix(path) in _GLTF)
+    loaded = trimesh.load_scene(opened, kind, beside, process=False)  # neither merge nor drop vertices
     parts, limbs = [], []
     for node in loaded.graph.nodes_geometry:
         world, name = loaded.graph[node]
@@ -220,6 +274,7 @@ class _Looks:
         self._linear_colors = linear_colors
         self._materials: dict[Any, Material] = {}
         self._textures: dict[int, Float | None] = {}
+        self.broken: dict[str, str] = {}  # textures that are left out, with the reason
 
     def of(self, mesh: Any) -> tuple[Float | None, Float | None, Material]:
         """Texture coordinates (V, 2), linear colours (V, 3), or (F, 3) if per face, and the material."""
@@ -271,10 +326,14 @@ class _Looks:
     def _texture(self, image: Any) -> Float | None:
         """(h, w, 3) float32 linear RGB; None if the image is broken."""
         if id(image) not in self._textures:
+            name = f"texture {len(self._textures) + 1}"
             try:
+                if image.width * image.height > _MOST_PIXELS:
+                    raise ValueError(f"{image.width} x {image.height} pixels; allowed are at most {_MOST_PIXELS}")
                 encoded = np.asarray(image.convert("RGB"))
-            except (OSError, ValueError, SyntaxError):  # Pillow reads pixels only now
+            except (OSError, ValueError, SyntaxError) as error:  # Pillow reads pixels only now
                 self._textures[id(image)] = None
+                self.broken[name] = " ".join(str(error).split())
             else:
                 self._textures[id(image)] = _decode_srgb(np.arange(256) / 255.0).astype(np.float32)[encoded]
         return self._textures[id(image)]

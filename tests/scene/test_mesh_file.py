@@ -1,6 +1,9 @@
 """Reading mesh files: tiny files written here, with numbers known by hand."""
 
+import json
 import os
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -160,15 +163,105 @@ def test_roughness_makes_broad_highlights(tmp_path):
 
 
 def test_missing_and_broken_textures_leave_the_colour(tmp_path):
-    for image in ("nowhere.png", uri("image/png", png()[:50]), uri("image/png", b"not a picture")):
-        scene = load_mesh(write(tmp_path, "quad.gltf", gltf([{"mesh": 0}], [BASE_TEXTURE], image)))
+    absent, cut = "nowhere.png", uri("image/png", png()[:50])
+    for image, told in ((absent, r"nowhere\.png \(there is no such file\)"), (cut, "texture 1 ")):
+        with pytest.warns(UserWarning, match=rf"quad\.gltf: left out: {told}"):
+            scene = load_mesh(write(tmp_path, "quad.gltf", gltf([{"mesh": 0}], [BASE_TEXTURE], image)))
         assert scene.materials[0].texture is None
+    scene = load_mesh(
+        write(tmp_path, "quad.gltf", gltf([{"mesh": 0}], [BASE_TEXTURE], uri("image/png", b"not a picture")))
+    )
+    assert scene.materials[0].texture is None
     write(tmp_path, "quad.mtl", "newmtl paper\nmap_Kd nowhere.png\n")
     triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl paper\nf 1/1 2/1 3/1\n"
-    for library in ("quad.mtl", "nowhere.mtl"):
-        scene = load_mesh(write(tmp_path, "quad.obj", f"mtllib {library}\n{triangle}"))
+    for library, lost in (("quad.mtl", "nowhere.png"), ("nowhere.mtl", "nowhere.mtl")):
+        with pytest.warns(UserWarning, match=rf"quad\.obj: left out: {lost} \(there is no such file\)"):
+            scene = load_mesh(write(tmp_path, "quad.obj", f"mtllib {library}\n{triangle}"))
         assert scene.materials[0].texture is None
         assert scene.materials[0].base_color == (0.5, 0.5, 0.5)
+
+
+PAINTED = "mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl paper\nf 1/1 2/2 3/3\n"
+
+
+@pytest.mark.parametrize(
+    ("written", "named"),
+    [
+        ("a.mtl", "a.mtl"),
+        ("Sub/A.MTL", "sub/a.mtl"),
+        ("sub\\\\a.mtl", "sub/a.mtl"),
+        ("with%20space.mtl", "with space.mtl"),
+        ("100%.mtl", "100%.mtl"),
+        ("./sub/../a.mtl", "a.mtl"),
+    ],
+)
+def test_files_beside_are_found_as_any_system_writes_them(tmp_path, written, named):
+    (tmp_path / "sub").mkdir()
+    write(tmp_path, named, "newmtl paper\nKd 0.25 0.5 0.75\n")
+    scene = load_mesh(write(tmp_path, "a.obj", PAINTED.format(written.replace("\\\\", "\\"))))
+    assert scene.materials[0].base_color == (0.25, 0.5, 0.75)
+
+
+def test_only_plain_files_below_the_mesh_are_opened(tmp_path):
+    """A pipe would never end; what is outside is none of a scene's."""
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    secret = write(tmp_path, "secret.mtl", "newmtl paper\nKd 1 0 0\n")
+    os.mkfifo(inner / "pipe.mtl")
+    (inner / "link.mtl").symlink_to(secret)
+    (inner / "folder.mtl").mkdir()
+    for name, reason in (
+        ("../secret.mtl", "it is outside"),
+        (str(secret), "it is outside"),
+        ("link.mtl", "it is outside"),
+        ("pipe.mtl", "it is no plain file"),
+        ("folder.mtl", "it is no plain file"),
+        ("/dev/zero", "it is outside"),
+        ("http://127.0.0.1:9/a.mtl", "it is on another machine"),
+    ):
+        with pytest.warns(UserWarning, match=reason):
+            scene = load_mesh(write(inner, "a.obj", PAINTED.format(name)))
+        assert scene.materials[0].base_color == (0.5, 0.5, 0.5)
+    whole = json.loads(gltf([{"mesh": 0}], [BASE_TEXTURE], uri("image/png", png())))
+    whole["buffers"][0]["uri"] = "../secret.mtl"
+    with pytest.raises(InputError, match=r"secret\.mtl: it is outside"):
+        load_mesh(write(inner, "a.gltf", json.dumps(whole)))
+
+
+def test_huge_textures_are_left_out_before_they_are_decoded(tmp_path):
+    blank = png_of_zeros(13000, 13000)
+    assert len(blank) < 1_000_000
+    write(tmp_path, "huge.png", blank)
+    write(tmp_path, "a.mtl", "newmtl paper\nmap_Kd huge.png\n")
+    with pytest.warns(UserWarning, match="13000 x 13000 pixels; allowed are at most 67108864"):
+        scene = load_mesh(write(tmp_path, "a.obj", PAINTED.format("a.mtl")))
+    assert scene.materials[0].texture is None
+
+
+def png_of_zeros(width, height):
+    """A grey picture, by hand: it says its size first, so nobody needs to decode it."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = zlib.compress(bytes(width + 1) * height, 9)
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+
+
+def test_extensions_are_refused_by_name_or_left_out_with_a_warning(tmp_path):
+    whole = json.loads(gltf([{"mesh": 0}]))
+    for name in ("KHR_texture_transform", "KHR_draco_mesh_compression", "ACME_teapots"):
+        required = {**whole, "extensionsUsed": [name], "extensionsRequired": [name]}
+        with pytest.raises(InputError, match=f"it requires the extension '{name}'; allowed are EXT_texture_webp"):
+            load_mesh(write(tmp_path, "a.gltf", json.dumps(required)))
+        with pytest.warns(UserWarning, match=f"a.gltf: left out: the extension {name}$"):
+            load_mesh(write(tmp_path, "a.gltf", json.dumps({**whole, "extensionsUsed": [name]})))
+    read = ["EXT_texture_webp", "KHR_materials_pbrSpecularGlossiness"]
+    load_mesh(write(tmp_path, "a.gltf", json.dumps({**whole, "extensionsUsed": read, "extensionsRequired": read})))
+    for lists in ({"extensionsUsed": "KHR"}, {"extensionsRequired": [3]}):
+        with pytest.raises(InputError, match="got no list of names"):
+            load_mesh(write(tmp_path, "a.gltf", json.dumps({**whole, **lists})))
 
 
 def test_comments_need_not_be_utf8(tmp_path):
