@@ -26,7 +26,7 @@ def command_of(scene: Scene, name: str, state: State, focus_file: str, output: s
     Raises
     ------
     InputError
-        If the lens has no focus points and the frame is not 0: no command renders that.
+        If something moves, the lens has no focus points and the frame is not 0: no command renders that.
     """
     lens, camera, own = state.lens, state.camera, scene.camera
     words = [name, "--method", state.method]
@@ -40,7 +40,7 @@ def command_of(scene: Scene, name: str, state: State, focus_file: str, output: s
     if camera.fov_y != own.fov_y and lens.kind != "file":
         words += ["--fov", _shown(camera.fov_y)]
     if lens.kind in ("thin", "file"):
-        if state.frame != 0.0:
+        if state.frame != 0.0 and scene.frames is not None:
             raise InputError(
                 f"frame: got {state.frame:g}; a command renders other frames than 0 with focus points only"
             )

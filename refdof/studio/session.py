@@ -161,7 +161,9 @@ class Session:
 
     def _markers(self, state: State) -> list[dict[str, float] | None]:
         """Where the points are in the picture [px], and what they weigh; None where one is not to be seen."""
-        view = self._pictures.shot(state) if state.points else None
+        view = None
+        if state.points:  # a lens of a file has a field of view of its own
+            view = self._pictures.view(state) if state.lens.kind == "file" else self._pictures.shot(state)
         marks: list[dict[str, float] | None] = []
         for point in state.points:
             assert view is not None
@@ -201,13 +203,19 @@ class Session:
             self._save_points(state, points)
         save_image(path, image)
         name = self._folder.name_of(path)
-        return {"kind": "saved", "name": name, "command": self._command_text(state, points, name)}
+        try:
+            command = self._command_text(state, points, name)
+        except InputError:  # the picture is saved, and no command makes it
+            command = None
+        return {"kind": "saved", "name": name, "command": command}
 
     def _save_points(self, state: State, path: Path) -> None:
         save_focus(path, Focus(state.points, state.lens.kind if state.lens.kind in KINDS else "surface"))
 
     def _command(self, content: dict[str, Any], _: list[bytes]) -> dict[str, Any]:
-        return {"kind": "command", "text": self._command_text(parse_state(content.get("state")))}
+        """The command; its focus file is the one that `Save focus.toml` writes with the same name."""
+        points = None if content.get("name") is None else self._folder.new(content["name"], (".toml",))
+        return {"kind": "command", "text": self._command_text(parse_state(content.get("state")), points)}
 
     def _command_text(self, state: State, points: Path | None = None, output: str = "picture.png") -> str:
         focus_file = "focus.toml" if points is None else self._folder.name_of(points)

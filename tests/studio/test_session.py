@@ -116,6 +116,34 @@ def test_the_command_makes_the_saved_picture_once_more(tmp_path, monkeypatch):
     page.desk.close()
 
 
+def test_a_copied_command_reads_what_the_same_name_saves(page):
+    state = flat.state(1)
+    state["points"] = [page.call(kind="pick", pixel=[3, 20], state=state)["point"]]
+    state = {**state, "lens": {**state["lens"], "kind": "surface"}}
+    assert " --focus-points mine.toml " in page.call(kind="command", name="mine.toml", state=state)["text"]
+    assert page.call(kind="save", what="focus", name="mine.toml", state=state)["name"] == "mine.toml"
+
+
+def test_the_frame_of_a_still_scene_is_left_out_of_its_command(page, tmp_path):
+    later = flat.state(1, frame=18)  # nothing moves: every frame is the same picture
+    assert page.call(kind="command", state=later)["text"] == page.call(kind="command", state=flat.state(1))["text"]
+    assert page.call(kind="save", what="png", name="a.png", state=later)["command"].startswith("refdof render ")
+
+
+def test_markers_are_where_a_lens_file_shows_them(page):
+    state = flat.state(1)
+    point = page.call(kind="pick", pixel=[29, 21], state=state)["point"]
+    through = {**state, "id": 2, "points": [point], "lens": {**state["lens"], "kind": "file"}}
+    (mark,) = page.picture(through)[0]["points"]
+    # The field of view is that of 24 mm of film behind the lens: all moves away from the middle by one factor.
+    across, down = (mark["x"] - 32.0) / (29.5 - 32.0), (mark["y"] - 24.0) / (21.5 - 24.0)
+    assert across == pytest.approx(down, rel=1e-6)
+    assert abs(across - 1.0) > 0.1
+    again = page.call(kind="pick", pixel=[int(mark["x"]), int(mark["y"])], state=through)["point"]
+    assert again["triangle"] == point["triangle"]
+    np.testing.assert_allclose(again["barycentrics"], point["barycentrics"], atol=0.02)  # half a pixel of the card
+
+
 def test_focus_files_are_saved_and_opened(page, tmp_path):
     state = flat.state(1, lens_kind="plane")
     state["points"] = [

@@ -11,7 +11,7 @@ function ask(studio, pixel) {
 async function focusAt(studio, pixel, more = false) {
   const answer = await ask(studio, pixel);
   if (!answer) return;
-  studio.tell(answer);
+  studio.tell({...answer, coc_px: null});  // that of the lens before the change
   const {points, lens: {kind}} = studio.state, fresh = more && points.length > 0;
   if (!answer.point) {
     if (kind !== "thin" && kind !== "file") studio.complain(NOTHING);

@@ -65,7 +65,8 @@ function pointsPanel(studio) {
     drawList();
     editor.hidden = !point;
     hint.textContent = !points.length ? "Click on the picture to make something sharp; shift-click adds more points."
-      : lens.kind === "thin" || lens.kind === "file" ? "This lens has one distance in focus: it follows no points. Shift-click adds a second."
+      : lens.kind === "thin" ? "Focused where you clicked. Offset, blur and weight count with a focal surface: shift-click adds a second point."
+      : lens.kind === "file" ? "Focused where you clicked. Offset, blur and weight count with a focal surface or a plane: choose one as the lens."
         : "Click moves the selected point, shift-click adds one. Drag the markers.";
     if (!point) return;
     if (!hasFocus(name)) name.value = point.name;

@@ -30,9 +30,13 @@ function filesPanel(studio, root) {
     if (opened) studio.change(() => {});
   }
 
-  async function save(what, ending) {
+  function named(ending) {
     const given = name.value.trim() || "shot";
-    const full = given.toLowerCase().endsWith(ending) ? given : given + ending;
+    return given.toLowerCase().endsWith(ending) ? given : given + ending;
+  }
+
+  async function save(what, ending) {
+    const full = named(ending);
     const saved = await studio.ask({kind: "save", what, name: full, state: studio.state});
     done.textContent = saved ? `Saved ${saved.name}.` : "";
     if (saved && what === "focus") listed(saved.name);
@@ -54,16 +58,18 @@ function filesPanel(studio, root) {
   }
 
   async function copy() {
-    const answer = await studio.ask({kind: "command", state: studio.state});
+    const file = named(".toml");
+    const answer = await studio.ask({kind: "command", name: file, state: studio.state});
     if (!answer) return;
     showCommand(answer.text);
+    const needs = / --(focus-)?points /.test(answer.text) ? ` It reads ${file}, which Save focus.toml writes.` : "";
     try {
       await navigator.clipboard.writeText(answer.text);
-      done.textContent = "Copied.";
+      done.textContent = "Copied." + needs;
     } catch {
       command.focus();
       command.select();
-      done.textContent = "Selected: copy it with the browser's keys.";
+      done.textContent = "Selected: copy it with the browser's keys." + needs;
     }
   }
 
