@@ -57,6 +57,30 @@ def test_missing_files_and_folders_are_refused(tmp_path):
         load_mesh(tmp_path)
 
 
+<<<<<<< HEAD
+=======
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="has no pipes")
+@pytest.mark.parametrize("name", ["pipe.bin", "/pipe.bin", "../pipe.bin"])
+def test_a_pipe_in_place_of_a_buffer_is_refused_and_not_waited_for(tmp_path, name):
+    os.mkfifo(tmp_path / "pipe.bin")
+    text = gltf([{"mesh": 0}], buffers=[{"byteLength": 92, "uri": name}])
+    with pytest.raises(InputError, match=r"pipe\.bin' is no plain file"):
+        load_mesh(write(tmp_path, "model.gltf", text))
+
+
+@pytest.mark.parametrize("link", [False, True])
+def test_a_buffer_outside_of_the_folder_is_not_read(tmp_path, link):
+    folder = tmp_path / "models"
+    folder.mkdir()
+    (tmp_path / "outside.bin").write_bytes(bytes(92))
+    if link:
+        (folder / "link.bin").symlink_to(tmp_path / "outside.bin")
+    text = gltf([{"mesh": 0}], buffers=[{"byteLength": 92, "uri": "link.bin" if link else "../outside.bin"}])
+    with pytest.raises(InputError, match="is not beside it"):
+        load_mesh(write(folder, "model.gltf", text))
+
+
+>>>>>>> 300019b (A mesh file reads what lies beside it only, whichever trimesh there is)
 def huge_files(folder, size):
     """A box under a huge transform, and a triangle with huge corners and texture coordinates."""
     scene = trimesh.Scene()
