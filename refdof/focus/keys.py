@@ -8,6 +8,8 @@ from refdof._check import InputError, as_float, as_number
 
 __all__ = ["as_keys", "as_number_or_keys"]
 
+_FARTHEST, _STEP = 1e6, 1e-6  # of places: a curve through keys divides by their steps, twice
+
 Keys = tuple[tuple[float, float], ...]
 
 
@@ -24,13 +26,19 @@ def as_keys(name: str, given: Any, limits: dict[str, Any], what: str, place: str
     Raises
     ------
     InputError
-        If there are none or too many, places do not grow, or a number is out of range.
+        If there are none or too many, places do not grow by 1e-6 or more, or a number is out of range.
     """
     keys = as_float(name, given, (None, 2), dtype=np.float64)
     if not 1 <= len(keys) <= most:
         raise InputError(f"{name}: got {len(keys)} {what}; allowed are 1 to {most}")
+    if np.abs(keys[:, 0]).max() > _FARTHEST:
+        raise InputError(
+            f"{name}: {place} of {what} are beyond {_FARTHEST:g}; allowed are -{_FARTHEST:g} to {_FARTHEST:g}"
+        )
     if not (np.diff(keys[:, 0]) > 0.0).all():
         raise InputError(f"{name}: {place} of {what} do not grow; allowed are {place} in growing order")
+    if not (np.diff(keys[:, 0]) >= _STEP).all():
+        raise InputError(f"{name}: {place} of {what} are too close; allowed are steps of {_STEP:g} or more")
     for value in keys[:, 1]:
         as_number(name, float(value), **limits)
     return tuple((float(at), float(value)) for at, value in keys)

@@ -21,10 +21,10 @@ from refdof.view import View
 __all__ = ["FocusPoint", "Placed", "pick", "placed"]
 
 _RANGES: dict[str, dict[str, Any]] = {  # of what may have keyframes
-    "offset": {},
+    "offset": {"minimum": -1e100, "maximum": 1e100},
     "aperture": {"minimum": 0.0, "maximum": 1.0},
     "weight": {"minimum": 0.0, "maximum": 1e6},
-    "image_offset": {},
+    "image_offset": {"minimum": -1e100, "maximum": 1e100},
 }
 
 

@@ -158,19 +158,24 @@ class _Beside(trimesh.resolvers.FilePathResolver):
         self.missing: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
-        """The bytes of a file by its name, which may be a URI, with slashes of any system."""
-        for text in dict.fromkeys((name, urllib.parse.unquote(name))):
+        """The bytes of a file by its name, which may be a URI, with slashes of any system.
+
+        Of a path that leads nowhere, such as one of another machine, the last part is looked for beside the mesh.
+        """
+        written = name.strip().replace("\\", "/")
+        reasons = []
+        for text in dict.fromkeys((written, urllib.parse.unquote(written), written.rpartition("/")[2])):
             try:
-                path = _in_any_case(self._root, text.strip().replace("\\", "/"))
+                path = _in_any_case(self._root, text)
+                if path.stat().st_size > _MOST_BYTES:
+                    raise ValueError(f"it has {path.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
             except (OSError, ValueError) as error:
-                self.missing[name] = str(error)
-                continue
-            if path.stat().st_size > _MOST_BYTES:
-                self.missing[name] = f"it has {path.stat().st_size} bytes; allowed are at most {_MOST_BYTES}"
+                reasons.append(str(error))
                 continue
             self.missing.pop(name, None)
             return path.read_bytes()
-        raise FileNotFoundError(f"{name}: {self.missing[name]}")
+        self.missing[name] = reasons[0]
+        raise FileNotFoundError(f"{name}: {reasons[0]}")
 
 
 def _in_any_case(root: Path, name: str) -> Path:

@@ -36,6 +36,7 @@ __all__ = ["Session"]
 
 _FILM = 0.024  # m: height of a film frame, which gives a focal length to a field of view
 _LARGEST_SIDE = 960  # of the first picture [px]
+_MOST_ASKED = 1000  # messages of a page that wait for an answer
 _PATIENCE = 1.0  # s after which a page is told why it waits
 _COMPILING = "compiling what this picture needs for the first time: up to a minute"
 
@@ -67,35 +68,48 @@ class Session:
             "command": self._command,
             "drop": self._drop,
         }
+        self._gone, self._asked = False, 0
         self._last = self._first_state()
         self._desk.errand(self._start)
 
     def _start(self) -> None:
-        with self._faults_told():
-            self._show(self._last)
+        if not self._gone:
+            with self._faults_told():
+                self._show(self._last)
 
     def close(self) -> None:
-        """The page is gone."""
+        """The page is gone: of what it asked for, only what it saves is still done."""
+        self._gone = True
         self._desk.leave(self)
 
     def set_state(self, raw: Any) -> None:
         """The page has a new state: pictures of it."""
-        with self._faults_told(id=raw.get("id") if isinstance(raw, dict) else None):
+        number = raw.get("id") if isinstance(raw, dict) else None
+        with self._faults_told(id=number if isinstance(number, int) else None):
             self._ask(parse_state(raw))
 
     def receive(self, content: Any, buffers: list[bytes] | None = None) -> None:
         """A message of the page; whatever is wrong with it is an answer."""
         ask = content.get("ask") if isinstance(content, dict) else None
         about = {"ask": ask if isinstance(ask, int) else None}
+        with self._faults_told(**about):
+            if self._asked >= _MOST_ASKED:
+                raise InputError(f"message: {self._asked} wait for an answer; allowed are at most {_MOST_ASKED}")
+            self._asked += 1
+            self._desk.errand(self._answer(content, buffers, about))
 
+    def _answer(self, content: Any, buffers: list[bytes] | None, about: dict[str, Any]) -> Callable[[], None]:
         def answer() -> None:
+            self._asked -= 1
+            if self._gone and not (isinstance(content, dict) and content.get("kind") == "save"):
+                return
             with self._faults_told(**about):
                 if not isinstance(content, dict):
                     raise InputError(f"message: got {type(content).__name__}; allowed is an object")
                 kind = as_choice("kind", content.get("kind"), self._answers)
                 self._tell({**self._answers[kind](content, buffers or []), **about}, [])
 
-        self._desk.errand(answer)
+        return answer
 
     @contextmanager
     def _faults_told(self, **about: Any) -> Iterator[None]:

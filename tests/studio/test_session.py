@@ -2,6 +2,7 @@
 
 import queue
 import shlex
+import threading
 
 import numpy as np
 import pytest
@@ -208,3 +209,33 @@ def test_of_two_pages_each_has_its_own(page, tmp_path):
         pass
     other.close()
     page.picture(flat.state(2))
+
+
+def test_of_a_page_that_is_gone_only_what_it_saves_is_done(page, tmp_path):
+    told, put, free = queue.Queue(), queue.Queue(), threading.Event()
+    page.desk.errand(lambda: free.wait(WAIT))
+    other = Session(page.desk, Folder(tmp_path), flat.scene(), "flat", lambda *given: told.put(given), put.put)
+    other.receive({"kind": "command", "ask": 1, "state": flat.state()})
+    other.receive({"kind": "save", "ask": 2, "what": "png", "name": "last.png", "state": flat.state()})
+    other.close()
+    free.set()
+    assert told.get(timeout=WAIT)[0]["ask"] == 2
+    assert (tmp_path / "last.png").is_file()
+    assert told.empty()
+    assert put.empty()
+
+
+def test_there_is_an_end_to_messages_that_wait(page):
+    free = threading.Event()
+    page.desk.errand(lambda: free.wait(WAIT))
+    for ask in range(1001):
+        page.session.receive({"kind": "nix", "ask": ask})
+    assert "message: 1000 wait" in page.message(kind="error", ask=1000)[0]["text"]
+    free.set()
+    page.message(kind="error", ask=999)
+    page.picture(flat.state(1))
+
+
+def test_a_number_that_json_lacks_is_not_sent_back(page):
+    page.session.set_state(flat.state(float("nan")))
+    assert page.message(kind="error")[0]["id"] is None
