@@ -21,7 +21,7 @@ __all__ = ["MAGNIFICATION", "LensChart", "lens_chart", "patch"]
 MAGNIFICATION = 2  # of the strip over the picture
 _SLENDER = 16  # the strip from the middle to the corner over its height
 _SLANT = 8.0  # of the squares against the rows [degrees], so that edges do not fall between pixels
-_SQUARE, _STAR = 0.5, 0.1  # sides over those of a cell
+_SQUARE, _STAR = 0.5, 0.1  # sides over those of a cell; 2 px at least, as most methods look at pixel centres only
 _STARLIGHT = 4.0  # over the light of the squares
 _SHARP_PX = 0.02  # radius of the chart's circle of confusion where the lens is focused at infinity
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -46,7 +46,7 @@ def lens_chart(camera: Camera, lens: ThinLens) -> LensChart:
     far = pixels * lens.radius / _SHARP_PX
     depth = min(lens.focus_distance, far)
     parts = [
-        patch(strip, side * (column + 0.5) * cell, row * cell, depth, share * cell / 2.0, light, slant=_SLANT)
+        patch(strip, side * (column + 0.5) * cell, row * cell, depth, max(share * cell / 2.0, 1.0), light, slant=_SLANT)
         for column in range(count)
         for row, share, light in ((0.5, _SQUARE, 1.0), (-0.5, _STAR, _STARLIGHT))
         for side in (-1.0, 1.0)

@@ -13,6 +13,8 @@ from refdof._jit import use_threads
 
 __all__ = ["Desk"]
 
+_MOST_ERRANDS = 16  # before a step: who asks for many does not keep others from their pictures
+
 Steps = Callable[[Callable[[], bool]], Iterator[None]]
 """Takes a function that tells whether something newer waits, and gives the steps of a piece of work."""
 
@@ -57,22 +59,27 @@ class Desk:
         if self._threads is not None:
             use_threads(self._threads)  # a thread's own
         running: dict[Any, Iterator[None]] = {}
+        done = 0  # errands since the last step
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._closed or self._errands or self._wanted or running)
                 if self._closed:
                     return
-                errand = self._errands.popleft() if self._errands else None
+                turn = self._errands and (done < _MOST_ERRANDS or not (running or self._wanted))
+                errand = self._errands.popleft() if turn else None
                 wanted, self._wanted = self._wanted, {}
             for who, steps in wanted.items():
                 running.pop(who, None)
                 running[who] = steps(lambda who=who: self._newer(who))  # type: ignore[misc]
             if errand is not None:
                 self._guarded(errand)
+                done += 1
                 continue
+            done = 0
             for who in list(running):
-                if not self._guarded(lambda steps=running[who]: next(steps)):  # type: ignore[misc]
-                    del running[who]
+                one = running.pop(who)
+                if self._guarded(lambda one=one: next(one)):  # type: ignore[misc]
+                    running[who] = one  # behind the others
                 if self._errands or self._wanted:
                     break
 

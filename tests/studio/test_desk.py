@@ -125,3 +125,16 @@ def test_who_leaves_gets_no_more_steps(desk):
     gate.set()
     finished(desk)
     assert [(name, k) for name, k, _ in done] == [("gone", 0)]
+
+
+def test_many_errands_let_steps_through(desk):
+    done, hold = [], threading.Event()
+    desk.errand(lambda: hold.wait(WAIT))
+    for _ in range(100):
+        desk.errand(lambda: done.append("errand"))
+    desk.ask("page", counting(done, "page", 2))
+    hold.set()
+    finished(desk)
+    steps = [k for k, what in enumerate(done) if what != "errand"]
+    assert 0 < steps[0] <= 16
+    assert steps[1] - steps[0] <= 2 * 17  # another takes its turn between

@@ -189,7 +189,6 @@ def test_whatever_is_wrong_with_a_message_is_an_answer(page):
     assert "points" in page.error(kind="save", what="focus", name="a.toml", state=flat.state())
     assert "name" in page.error(kind="open", name="../a.toml")
     assert "drop" in page.error(kind="drop", name="a.obj")
-    assert "frame" in page.error(kind="command", state=flat.state(frame=3))
     for raw in (None, 3, "text", [], {"kind": "pick", "ask": "x"}):
         page.session.receive(raw)
         assert page.message(kind="error")[0]["text"]
