@@ -54,8 +54,8 @@ class Chart:
     pictures: dict[str, Float]
 
     caption: ClassVar[str] = (
-        "Lens chart in the plane in focus, from the picture's middle (left) to its corner (right), twice as large: "
-        "where the field is curved, sharp in the middle and blurred toward the corner."
+        "Lens chart: squares and small stars in the plane in focus, from the picture's middle (left) to its corner "
+        "(right), twice as large. A thin lens has them sharp everywhere; where the field is curved, they blur outwards."
     )
 
 
