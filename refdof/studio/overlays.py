@@ -19,6 +19,7 @@ _GREYS = ((1.0, 1.0, 1.0), (0.1, 0.1, 0.1))  # near and far
 _EMPTY = (0.15, 0.15, 0.17)  # background
 _HIGHLIGHT = (1.0, 0.55, 0.0)
 _HEAT = ((0.0, 0.0, 0.0), (0.55, 0.05, 0.35), (0.95, 0.45, 0.10), (1.0, 1.0, 0.75))
+_SHARE = 98.0  # percent of the circles that the scale spans: few large ones do not make all others white
 _SHARP_PX = 1.0  # radius of a circle that still looks sharp
 _MOST_LAYERS = 8  # more have the last colour
 _LARGEST_ERROR = 0.25  # of display values
@@ -38,7 +39,7 @@ def draw_overlay(overlay: str, view: View, image: Float | None) -> tuple[Levels,
     if overlay == "coc":
         coc = view.coc_px()
         seen = np.isfinite(view.pinhole().depth)
-        most = max(float(np.abs(coc[seen]).max(initial=0.0)), _SHARP_PX)
+        most = max(float(np.percentile(np.abs(coc[seen]), _SHARE)) if seen.any() else 0.0, _SHARP_PX)
         return levels(_ramp(coc, (-most, 0.0, most), _SIGNED)), Legend(-most, most, "px", _names(_SIGNED))
     if overlay == "focus":
         assert image is not None
