@@ -31,7 +31,8 @@ from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf.camera import gltf_camera
 from refdof.scene.gltf.extensions import left_out_extensions
 from refdof.scene.gltf.file import GltfFile, read_gltf
-from refdof.scene.gltf.plain import marked, marks_of, without_cameras
+from refdof.scene.gltf.look import look_of
+from refdof.scene.gltf.plain import marked, marks_of, material_of, without_cameras
 from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
 from refdof.scene.material import SHADINGS, Light, Material
 from refdof.scene.scene import Part, Scene
@@ -62,7 +63,7 @@ def load_mesh(
     ----------
     path : str or Path
         OBJ, PLY, STL, OFF, GLB, glTF or any other file with triangles that trimesh reads.
-    shading : "unlit", "lambert", "phong", or None for "lambert"
+    shading : "unlit", "lambert", "phong", or None: "lambert", and "unlit" for materials of glTF files that are
     background : (3,) floats >= 0
         Linear RGB of rays that meet nothing; the default is a light grey-blue.
 
@@ -78,12 +79,13 @@ def load_mesh(
         in it is NaN, infinite or out of range.
     """
     path = as_path("scene", path)
-    shading = as_choice("shading", "lambert" if shading is None else shading, SHADINGS)
+    if shading is not None:
+        as_choice("shading", shading, SHADINGS)
     background = as_color("background", background)
     try:
         _check_kind(path)
         file = read_gltf(path) if _suffix(path) in _GLTF else None
-        beside, looks = _Beside(path), _Looks(shading, linear_colors=_suffix(path) in _GLTF)
+        beside, looks = _Beside(path), _Looks(shading, None if file is None else file.header)
         extensions = [] if file is None else left_out_extensions(file.header)
         rig = None if file is None or not is_rigged(file.header) else read_rig(file, beside.get)
         with warnings.catch_warnings():
@@ -274,9 +276,9 @@ def _file_normals(mesh: Any, world: Float) -> Float | None:
 class _Looks:
     """Materials as this package wants them; every material and every texture is made once and shared."""
 
-    def __init__(self, shading: str, *, linear_colors: bool) -> None:
-        self._shading = shading
-        self._linear_colors = linear_colors
+    def __init__(self, shading: str | None, header: dict[str, Any] | None) -> None:
+        self._shading, self._given = "lambert" if shading is None else shading, shading is not None
+        self._header, self._linear_colors = header, header is not None
         self._materials: dict[Any, Material] = {}
         self._textures: dict[int, Float | None] = {}
         self.broken: dict[str, str] = {}  # textures that are left out, with the reason
@@ -310,12 +312,18 @@ class _Looks:
         """Material of one of trimesh's; the colours of materials are linear already."""
         key = (id(source), has_uv)
         if key not in self._materials:
+            shading = self._shading
             if isinstance(source, trimesh.visual.material.PBRMaterial):
                 image, shininess = source.baseColorTexture, _shininess(source.roughnessFactor)
                 factor = source.baseColorFactor
                 base = _WHITE if factor is None else tuple((factor[:3] / 255.0).tolist())
                 glows = source.emissiveFactor is not None and source.emissiveTexture is None
                 emission = tuple(source.emissiveFactor.tolist()) if glows else (0.0, 0.0, 0.0)
+                index = None if self._header is None else material_of(source.name)
+                if self._header is not None and index is not None:
+                    look = look_of(self._header, index)
+                    base, emission = base if look.base is None else look.base, look.emission
+                    shading = "unlit" if look.unlit and not self._given else shading
             else:
                 words = getattr(source, "kwargs", {})  # of the .mtl file, as written
                 image, emission = getattr(source, "image", None), (0.0, 0.0, 0.0)
@@ -325,7 +333,7 @@ class _Looks:
                 base = tuple(np.broadcast_to(np.maximum(base, 0.0), 3).tolist())
                 shininess = float(np.clip(words.get("ns", 50.0), 1.0, _MAX_SHININESS))
             texture = self._texture(image) if image is not None and has_uv else None
-            self._materials[key] = Material(self._shading, base, texture, emission, _SPECULAR, shininess)
+            self._materials[key] = Material(shading, base, texture, emission, _SPECULAR, shininess)
         return self._materials[key]
 
     def _texture(self, image: Any) -> Float | None:

@@ -249,6 +249,42 @@ def png_of_zeros(width, height):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
 
 
+def test_colours_of_gltf_materials_are_what_the_file_says(tmp_path):
+    """Not rounded to 8 bits, with the strength of their light, and without a light of ours where the file says so."""
+    materials = [
+        {"pbrMetallicRoughness": {"baseColorFactor": [0.001, 0.003, 0.0137, 1.0]}},
+        {"emissiveFactor": [1.0, 0.5, 0.25]} | extension("KHR_materials_emissive_strength", emissiveStrength=20.0),
+        {"name": "paper"} | extension("KHR_materials_unlit"),
+    ]
+    path = write(tmp_path, "a.gltf", gltf([{"mesh": k} for k in range(3)], materials))
+    assert {(material.shading, material.base_color, material.emission) for material in load_mesh(path).materials} == {
+        ("lambert", (0.001, 0.003, 0.0137), (0.0, 0.0, 0.0)),
+        ("lambert", (1.0, 1.0, 1.0), (20.0, 10.0, 5.0)),
+        ("unlit", (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+    }
+    assert {material.shading for material in load_mesh(path, "phong").materials} == {"phong"}
+
+
+def extension(name, **values):
+    return {"extensions": {name: values}}
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        {"pbrMetallicRoughness": {"baseColorFactor": [0.5]}},
+        {"pbrMetallicRoughness": {"baseColorFactor": "red"}},
+        {"pbrMetallicRoughness": 3},
+        {"emissiveFactor": [1.0, -1.0, 0.0]},
+        {"emissiveFactor": [1.0, 1.0, 1.0]} | extension("KHR_materials_emissive_strength", emissiveStrength=-1),
+        {"extensions": []},
+    ],
+)
+def test_bad_colours_of_gltf_materials_are_one_line(tmp_path, material):
+    with pytest.raises(InputError, match="scene: got"):
+        load_mesh(write(tmp_path, "a.gltf", gltf([{"mesh": 0}], [material])))
+
+
 def test_extensions_are_refused_by_name_or_left_out_with_a_warning(tmp_path):
     whole = json.loads(gltf([{"mesh": 0}]))
     for name in ("KHR_texture_transform", "KHR_draco_mesh_compression", "ACME_teapots"):
@@ -257,7 +293,7 @@ def test_extensions_are_refused_by_name_or_left_out_with_a_warning(tmp_path):
             load_mesh(write(tmp_path, "a.gltf", json.dumps(required)))
         with pytest.warns(UserWarning, match=f"a.gltf: left out: the extension {name}$"):
             load_mesh(write(tmp_path, "a.gltf", json.dumps({**whole, "extensionsUsed": [name]})))
-    read = ["EXT_texture_webp", "KHR_materials_pbrSpecularGlossiness"]
+    read = [f"KHR_materials_{word}" for word in ("emissive_strength", "pbrSpecularGlossiness", "unlit")]
     load_mesh(write(tmp_path, "a.gltf", json.dumps({**whole, "extensionsUsed": read, "extensionsRequired": read})))
     for lists in ({"extensionsUsed": "KHR"}, {"extensionsRequired": [3]}):
         with pytest.raises(InputError, match="got no list of names"):

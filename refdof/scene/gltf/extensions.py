@@ -12,7 +12,12 @@ from refdof._check import InputError
 
 __all__ = ["left_out_extensions"]
 
-_READ = ("EXT_texture_webp", "KHR_materials_pbrSpecularGlossiness")
+_READ = (
+    "EXT_texture_webp",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_unlit",
+)
 _WITH_A_DECODER = {"KHR_draco_mesh_compression": "DracoPy"}  # by trimesh, if this package is there
 
 

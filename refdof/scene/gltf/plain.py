@@ -1,21 +1,31 @@
-"""A glTF file as a reader of triangles gets it: without cameras, and with marks that say what is what."""
+"""A glTF file as a reader of triangles gets it: without cameras, and with marks that say what is what.
+
+Materials are named by their numbers, so that what the reader rounds or does not know is looked up in the header.
+"""
 
 from collections.abc import Iterable
 from typing import Any
 
 from refdof.scene.gltf.file import GltfFile
 
-__all__ = ["marked", "marks_of", "without_cameras"]
+__all__ = ["marked", "marks_of", "material_of", "without_cameras"]
 
-_MARK = "_refdof_"  # of an attribute of each primitive, which readers keep by its name
+_MARK = "_refdof_"  # of names of materials, and of an attribute of each primitive: readers keep both
 
 
 def without_cameras(file: GltfFile) -> bytes | None:
-    """The same file with its camera nodes turned into plain nodes; None if it has no cameras.
+    """The same file with its camera nodes turned into plain nodes; None if it has neither cameras nor materials.
 
     For trimesh, to which a node with a camera loses its meshes and its children.
     """
-    return file.with_header(_plain(file.header)) if file.header.get("cameras") else None
+    changes = file.header.get("cameras") or file.header.get("materials")
+    return file.with_header(_plain(file.header)) if changes else None
+
+
+def material_of(name: str | None) -> int | None:
+    """The number of a material of `marked` or `without_cameras`, by its name; None for trimesh's own."""
+    number = (name or "").removeprefix(_MARK)
+    return int(number) if name and name != number and number.isdecimal() else None
 
 
 def marked(file: GltfFile) -> bytes:
@@ -44,7 +54,10 @@ def marks_of(node: str, attributes: Iterable[str]) -> tuple[int, int, int]:
 
 def _plain(header: dict[str, Any]) -> dict[str, Any]:
     nodes = [{key: value for key, value in node.items() if key != "camera"} for node in header.get("nodes", [])]
-    return {**{key: value for key, value in header.items() if key != "cameras"}, "nodes": nodes}
+    plain = {**{key: value for key, value in header.items() if key != "cameras"}, "nodes": nodes}
+    if header.get("materials"):
+        plain["materials"] = [{**item, "name": f"{_MARK}{k}"} for k, item in enumerate(header["materials"])]
+    return plain
 
 
 def _marked(primitive: dict[str, Any], mesh: int, index: int) -> dict[str, Any]:
