@@ -30,7 +30,7 @@ from refdof.optics.lens import ThinLens
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf.camera import gltf_camera
 from refdof.scene.gltf.extensions import left_out_extensions
-from refdof.scene.gltf.file import GltfFile, read_gltf
+from refdof.scene.gltf.file import GltfFile, Numbers, read_gltf
 from refdof.scene.gltf.look import look_of
 from refdof.scene.gltf.plain import marked, marks_of, material_of, without_cameras
 from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
@@ -206,7 +206,8 @@ def _read(
     if file is None:
         data = _tidied(path)
     else:
-        data = without_cameras(file) if rig is None else marked(file)
+        numbers = Numbers(file, beside.get) if rig is None else rig.numbers
+        data = without_cameras(file, numbers) if rig is None else marked(file, numbers)
     opened: Any = path if data is None else io.BytesIO(data)
     kind = None if data is None else _suffix(path)
     loaded = trimesh.load_scene(opened, kind, beside, process=False)  # neither merge nor drop vertices

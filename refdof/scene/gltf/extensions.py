@@ -17,6 +17,8 @@ _READ = (
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
 )
 _WITH_A_DECODER = {"KHR_draco_mesh_compression": "DracoPy"}  # by trimesh, if this package is there
 

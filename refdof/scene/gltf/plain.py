@@ -6,20 +6,22 @@ Materials are named by their numbers, so that what the reader rounds or does not
 from collections.abc import Iterable
 from typing import Any
 
-from refdof.scene.gltf.file import GltfFile
+from refdof.scene.gltf.file import GltfFile, Numbers
+from refdof.scene.gltf.plain_numbers import with_plain_numbers
 
 __all__ = ["marked", "marks_of", "material_of", "without_cameras"]
 
 _MARK = "_refdof_"  # of names of materials, and of an attribute of each primitive: readers keep both
 
 
-def without_cameras(file: GltfFile) -> bytes | None:
-    """The same file with its camera nodes turned into plain nodes; None if it has neither cameras nor materials.
+def without_cameras(file: GltfFile, numbers: Numbers) -> bytes | None:
+    """The same file with plain numbers and with its camera nodes turned into plain nodes; None if nothing changes.
 
     For trimesh, to which a node with a camera loses its meshes and its children.
     """
-    changes = file.header.get("cameras") or file.header.get("materials")
-    return file.with_header(_plain(file.header)) if changes else None
+    header = with_plain_numbers(file.header, numbers)
+    changes = header is not file.header or header.get("cameras") or header.get("materials")
+    return file.with_header(_plain(header)) if changes else None
 
 
 def material_of(name: str | None) -> int | None:
@@ -28,9 +30,9 @@ def material_of(name: str | None) -> int | None:
     return int(number) if name and name != number and number.isdecimal() else None
 
 
-def marked(file: GltfFile) -> bytes:
+def marked(file: GltfFile, numbers: Numbers) -> bytes:
     """`without_cameras`, but that nodes and primitives tell which they are: `marks_of`. Nodes stand at 0."""
-    header = _plain(file.header)
+    header = _plain(with_plain_numbers(file.header, numbers))
     header["nodes"] = [
         {"name": str(index), **{key: node[key] for key in ("mesh", "children") if key in node}}
         for index, node in enumerate(header["nodes"])
