@@ -28,7 +28,7 @@ from refdof._check import Float, Index, InputError, as_choice, as_color, as_floa
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
-from refdof.scene.gltf.camera import gltf_camera
+from refdof.scene.gltf.camera import camera_kinds, gltf_camera
 from refdof.scene.gltf.extensions import left_out_extensions
 from refdof.scene.gltf.file import GltfFile, Numbers, read_gltf
 from refdof.scene.gltf.look import look_of
@@ -105,6 +105,8 @@ def load_mesh(
         raise _refusal(path, f"it cannot be read ({reason[:160]})") from error
     left_out = [f"{name} ({reason})" for name, reason in {**beside.missing, **looks.broken}.items()]
     left_out += [f"the extension {name}" for name in extensions]
+    if file is not None and camera_kinds(file.header) == {"orthographic"}:
+        left_out.append("its orthographic camera")
     if left_out:
         warnings.warn(f"{path.name}: left out: {', '.join(left_out)}"[:_LONGEST_WARNING], stacklevel=2)
     if not len(scene.faces):
@@ -259,7 +261,8 @@ def _part(mesh: Any, world: Float, looks: "_Looks") -> tuple[Part, Index, bool]:
         normal = None if normal is None else normal[source]
     states_normals = normal is not None
     if normal is None:
-        copied, faces, normal = smooth_normals(vertices, faces)
+        # glTF 2.0, 3.7.2.1: flat where a file states none.
+        copied, faces, normal = smooth_normals(vertices, faces, *([0.0] if looks.of_gltf else []))
         source, vertices = source[copied], vertices[copied]
         uv = None if uv is None else uv[copied]
         color = None if color is None else color[copied]
@@ -279,7 +282,7 @@ class _Looks:
 
     def __init__(self, shading: str | None, header: dict[str, Any] | None) -> None:
         self._shading, self._given = "lambert" if shading is None else shading, shading is not None
-        self._header, self._linear_colors = header, header is not None
+        self._header, self.of_gltf = header, header is not None
         self._materials: dict[Any, Material] = {}
         self._textures: dict[int, Float | None] = {}
         self.broken: dict[str, str] = {}  # textures that are left out, with the reason
@@ -302,7 +305,7 @@ class _Looks:
         """(N, 3) linear RGB of (N, 3 or 4) colours; glTF stores them linear, all others as sRGB."""
         colors = np.asarray(colors)
         rgb = colors[:, :3] / (np.iinfo(colors.dtype).max if colors.dtype.kind in "ui" else 1.0)
-        return rgb if self._linear_colors else _decode_srgb(rgb)
+        return rgb if self.of_gltf else _decode_srgb(rgb)
 
     def _plain(self, base_color: tuple[float, float, float]) -> Material:
         if base_color not in self._materials:

@@ -147,3 +147,44 @@ def test_plain_files_stay_as_they_are(tmp_path):
 
     file = read_gltf(write(tmp_path, "a.gltf", gltf([{"mesh": 0}], [BASE], uri("image/png", png()))))
     assert with_plain_numbers(file.header, Numbers(file, lambda name: b"")) is file.header
+
+
+@pytest.mark.parametrize(
+    ("mode", "order", "faces"),
+    [
+        (5, [0, 1, 2, 3, 4], [(0, 1, 2), (1, 3, 2), (2, 3, 4)]),  # every second one the other way round
+        (6, [4, 0, 1, 2], [(0, 1, 4), (1, 2, 4)]),
+        (5, None, [(0, 1, 2), (1, 3, 2), (2, 3, 4)]),
+    ],
+)
+def test_strips_and_fans_beside_triangles(tmp_path, mode, order, faces):
+    places = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 2], [1, 1, 2], [0.5, 2, 3]], dtype="f4")
+    header = header_of()
+    primitive = {"attributes": {"POSITION": stored(header, places, "VEC3")}, "mode": mode}
+    if order is not None:
+        primitive["indices"] = stored(header, np.array(order, dtype="u2"), "SCALAR")
+    header["meshes"][0]["primitives"].append(primitive)
+    scene = load_mesh(write(tmp_path, "a.gltf", json.dumps(header)))
+    found = {tuple(map(tuple, turned(scene.vertices[face].tolist()))) for face in scene.faces}
+    wanted = [*QUAD[[[0, 1, 2], [0, 2, 3]]].tolist(), *places[np.array(faces)].tolist()]
+    assert found == {tuple(map(tuple, turned(triangle))) for triangle in wanted}
+
+
+def turned(triangle):
+    """The same triangle from its least corner on: its way round stays."""
+    first = triangle.index(min(triangle))
+    return triangle[first:] + triangle[:first]
+
+
+def test_without_normals_every_triangle_is_flat(tmp_path):
+    """A roof with a blunt ridge: smooth it would be in a file of another kind."""
+    places = np.array([[0, 0, 0], [2, 0, 0], [1, 0.1, -1], [1, 0.1, 1]], dtype="f4")
+    header = header_of()
+    primitive = {"attributes": {"POSITION": stored(header, places, "VEC3")}}
+    primitive["indices"] = stored(header, np.array([0, 3, 2, 1, 2, 3], dtype="u2"), "SCALAR")
+    header["meshes"][0]["primitives"] = [primitive]
+    scene = load_mesh(write(tmp_path, "a.gltf", json.dumps(header)))
+    for face in scene.faces:
+        a, b, c = scene.vertices[face]
+        flat = np.cross(b - a, c - a)
+        np.testing.assert_allclose(scene.normal[face], np.tile(flat / np.linalg.norm(flat), (3, 1)), atol=1e-6)

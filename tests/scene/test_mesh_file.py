@@ -285,6 +285,12 @@ def test_bad_colours_of_gltf_materials_are_one_line(tmp_path, material):
         load_mesh(write(tmp_path, "a.gltf", gltf([{"mesh": 0}], [material])))
 
 
+def test_an_orthographic_camera_is_left_out_with_a_warning(tmp_path):
+    camera = {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 10}}
+    with pytest.warns(UserWarning, match=r"a\.gltf: left out: its orthographic camera$"):
+        load_mesh(write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], cameras=[camera])))
+
+
 def test_extensions_are_refused_by_name_or_left_out_with_a_warning(tmp_path):
     whole = json.loads(gltf([{"mesh": 0}]))
     for name in ("KHR_materials_sheen", "KHR_draco_mesh_compression", "ACME_teapots"):

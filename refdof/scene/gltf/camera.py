@@ -15,7 +15,7 @@ from refdof._check import Float
 from refdof.optics.camera import Camera
 from refdof.scene.gltf.nodes import matrix_of
 
-__all__ = ["gltf_camera"]
+__all__ = ["camera_kinds", "gltf_camera"]
 
 _ROWS = 480  # the file states an aspect ratio, never a size in pixels
 
@@ -31,6 +31,13 @@ def gltf_camera(header: dict[str, Any], local: Sequence[Float] | None = None) ->
             return _first(header, [(node, np.eye(4)) for node in roots], local)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
         return None
+
+
+def camera_kinds(header: dict[str, Any]) -> set[str]:
+    """Types of the cameras that a file has."""
+    cameras = header.get("cameras")
+    found = cameras if isinstance(cameras, list) else []
+    return {str(camera.get("type")) for camera in found if isinstance(camera, dict)}
 
 
 def _first(header: dict[str, Any], waiting: list[tuple[int, Float]], local: Sequence[Float] | None) -> Camera | None:

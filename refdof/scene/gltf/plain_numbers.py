@@ -1,7 +1,8 @@
 """Numbers of a glTF file as a reader of triangles takes them: floats, in the first set of texture coordinates.
 
 1. sparse accessors, and whole numbers of places, normals and texture coordinates, become floats     `_floats`
-2. the texture coordinates of a material's base colour become the first set, with their transform    `_texture_places`
+2. strips and fans become triangles                                                                  `_triangles`
+3. the texture coordinates of a material's base colour become the first set, with their transform    `_texture_places`
 
 What is as it should be already stays in the file; all else is put into one more buffer.
 
@@ -23,6 +24,8 @@ __all__ = ["with_plain_numbers"]
 
 _KINDS = {"POSITION": "VEC3", "NORMAL": "VEC3", "TEXCOORD_0": "VEC2"}
 _FLOAT, _WHOLE = 5126, 5125
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6  # modes of a primitive
+_MOST_VERTICES = 1 << 31
 _TRANSFORM = "KHR_texture_transform"
 _MOST_SETS = 64  # of texture coordinates
 
@@ -96,12 +99,32 @@ def _plain_primitive(
         if kind is not None and ("sparse" in accessor or (name in _KINDS and accessor.get("componentType") != _FLOAT)):
             attributes[name] = writer.once(index, kind, lambda i=index, n=name, k=kind: numbers.floats(n, i, k))
     plain = {**primitive, "attributes": attributes}
-    order = primitive.get("indices")
-    if order is not None and "sparse" in member(header, "accessors", order):
-        plain["indices"] = writer.once(
-            order, "SCALAR", lambda: numbers.indices("indices", order, "SCALAR", 1 << 32).astype(np.uint32)
-        )
+    order, mode = primitive.get("indices"), primitive.get("mode", _TRIANGLES)
+    if mode in (_STRIP, _FAN):
+        plain |= {
+            "mode": _TRIANGLES,
+            "indices": writer.accessor(_triangles(mode, _order(header, numbers, primitive)), "SCALAR"),
+        }
+    elif order is not None and "sparse" in member(header, "accessors", order):
+        plain["indices"] = writer.once(order, "SCALAR", lambda: _order(header, numbers, primitive))
     return plain
+
+
+def _order(header: dict[str, Any], numbers: Numbers, primitive: dict[str, Any]) -> np.ndarray:
+    """(N,) uint32: the vertices in the order in which the primitive has them."""
+    places = member(header, "accessors", primitive.get("attributes", {}).get("POSITION"))
+    count = as_integer("POSITION: count", places.get("count"), minimum=1, maximum=_MOST_VERTICES)
+    if primitive.get("indices") is None:
+        return np.arange(count, dtype=np.uint32)
+    return numbers.indices("indices", primitive["indices"], "SCALAR", count).ravel().astype(np.uint32)
+
+
+def _triangles(mode: int, order: np.ndarray) -> np.ndarray:
+    """(3 (N - 2),) uint32: corners of the triangles of a strip or a fan, [1] 3.7.2.1."""
+    k = np.arange(max(len(order) - 2, 0))
+    odd = k % 2
+    corners = (k, k + 1 + odd, k + 2 - odd) if mode == _STRIP else (k + 1, k + 2, 0 * k)
+    return order[np.stack(corners, axis=1).ravel()].astype(np.uint32)
 
 
 def _texture_places(
