@@ -228,10 +228,16 @@ def test_a_port_that_is_taken_is_said(running, tmp_path):
 def test_the_command_prints_its_url_and_ends_at_ctrl_c(tmp_path):
     command = [sys.executable, "-m", "refdof.cli", "studio", "cans", "--no-open"]
     with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
-        url = child.stdout.readline()
-        assert url.startswith("http://127.0.0.1:")
-        child.send_signal(2)
-        out, errors = child.communicate(timeout=WAIT)
+        try:
+            url = child.stdout.readline()
+            assert url.startswith("http://127.0.0.1:")
+            for _ in range(60):  # where signals are ignored, as in the background of a shell, until the server listens
+                child.send_signal(2)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    out, errors = child.communicate(timeout=1.0)
+                    break
+        finally:
+            child.kill()
     assert (out, errors) == ("", "")
     assert child.returncode in (0, 130)
 
