@@ -9,11 +9,13 @@ import contextlib
 import json
 import os
 import secrets
+import signal
 import socket
 import sys
 import tempfile
+import threading
 import traceback
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -95,9 +97,23 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
                 ready(f"http://127.0.0.1:{port}/?token={token}")
                 uvicorn.Server(config).run(sockets=[listening])
         finally:
-            ended = desk.close()
-            listening.close()
+            with _deaf():
+                ended = desk.close()
+                listening.close()
     return ended
+
+
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """Whoever presses Ctrl-C twice has been heard."""
+    if threading.current_thread() is not threading.main_thread():  # no signals come here
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def application(desk: Desk, folder: Folder, scene: Scene, name: str, token: str, port: int) -> Starlette:

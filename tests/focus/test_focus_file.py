@@ -22,7 +22,8 @@ VALUES = st.floats(0.0, 1.0)
 KEYED = VALUES | st.lists(
     st.tuples(st.integers(0, 99), VALUES), min_size=1, max_size=4, unique_by=lambda key: key[0]
 ).map(lambda keys: tuple(sorted(keys)))
-CONTROLS = st.lists(st.tuples(VALUES, st.floats(1e-3, 9.0)), min_size=1, max_size=4, unique_by=lambda key: key[0]).map(
+RADII = st.integers(0, 1000).map(lambda k: k / 1000)  # controls are not as close as floats can be
+CONTROLS = st.lists(st.tuples(RADII, st.floats(1e-3, 9.0)), min_size=1, max_size=4, unique_by=lambda key: key[0]).map(
     lambda keys: tuple(sorted(keys))
 )
 POINTS = st.builds(

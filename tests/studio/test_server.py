@@ -234,7 +234,7 @@ def test_the_command_prints_its_url_and_ends_at_ctrl_c(tmp_path):
             for _ in range(60):  # where signals are ignored, as in the background of a shell, until the server listens
                 child.send_signal(2)
                 with contextlib.suppress(subprocess.TimeoutExpired):
-                    out, errors = child.communicate(timeout=1.0)
+                    out, errors = child.communicate(timeout=2.0)
                     break
         finally:
             child.kill()
