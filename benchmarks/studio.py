@@ -27,6 +27,7 @@ from refdof._jit import thread_count
 COARSE_S, FINE_S = 0.5, 3.0
 WIDTH, HEIGHT = 640, 480  # of the scene's own shot
 PLACES = ((0.5, 0.6), (0.3, 0.7), (0.7, 0.55), (0.45, 0.8), (0.6, 0.7), (0.25, 0.55), (0.8, 0.75))  # of the picture
+SOON_MS = 250  # between two clicks, of which the second comes while the first one's fine picture is made
 WAIT_MS = 300_000  # the first picture may compile for a minute
 
 # Note when pictures of states newer than the event's are drawn; the canvas has them when the attributes change.
@@ -73,36 +74,30 @@ class Studio:
         self.page.mouse.up()
         self.page.keyboard.up("Shift") if words.get("shift") else None
 
-    def timed(self, act):
-        """Seconds from the last press of `act` to the next coarse and the next fine picture."""
-        before = self.newest()
-        act()
+    def timed(self, place, soon_after=None, **words):
+        """Seconds from a click to the next coarse and the next fine picture; a click before it may still be at work."""
+        if soon_after is not None:
+            self.click(soon_after)
+            self.page.wait_for_timeout(SOON_MS)
+        before = self.newest()  # the coarse picture of the click before is shown by now
+        self.click(place, **words)
         self.settled(before)
         pressed = self.page.evaluate("pressed.at(-1)")
-        seen = [
-            (at, number, step) for at, number, step in self.page.evaluate("seen") if number > before and at > pressed
-        ]
-        return tuple((next(at for at, _, kind in seen if kind == step) - pressed) / 1e3 for step in ("coarse", "fine"))
+        seen = [(step, at) for at, number, step in self.page.evaluate("seen") if number > before and at > pressed]
+        return tuple((next(at for kind, at in seen if kind == step) - pressed) / 1e3 for step in ("coarse", "fine"))
 
 
 def measured(page, clicks):
     """Rows of name, coarse and fine seconds."""
     studio = Studio(page)
-    rows = [("first click", [studio.timed(lambda: studio.click(PLACES[0]))])]
-    rows.append(
-        ("click", [studio.timed(lambda k=k: studio.click(PLACES[k % len(PLACES)])) for k in range(1, clicks + 1)])
-    )
-
-    def soon(k):
-        studio.click(PLACES[k % len(PLACES)])
-        page.wait_for_timeout(250)
-        studio.click(PLACES[(k + 1) % len(PLACES)])
-
-    rows.append(("click soon after", [studio.timed(lambda k=k: soon(k)) for k in range(clicks)]))
+    rows = [("first click", [studio.timed(PLACES[0])])]
+    places = [PLACES[k % len(PLACES)] for k in range(clicks + 2)]
+    rows.append(("click", [studio.timed(place) for place in places[1:-1]]))
+    rows.append(("click soon after", [studio.timed(places[k + 1], places[k]) for k in range(clicks)]))
     for place in PLACES[:2]:
-        studio.timed(lambda place=place: studio.click(place, shift=True))
+        studio.timed(place, shift=True)
     moved = [(0.35 + 0.04 * k, 0.5) for k in range(clicks)]  # no marker is there: a click on one chooses it
-    third = [studio.timed(lambda place=place: studio.click(place)) for place in moved]
+    third = [studio.timed(place) for place in moved]
     rows.append(("focal surface, a point moved", third))
     return rows
 
