@@ -74,7 +74,6 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(("127.0.0.1", port))
-        listening.listen()  # who is told the URL may use it at once
     except OSError as error:
         listening.close()
         raise InputError(f"port: got {port}: {error.strerror}; allowed is a free port, or 0 for any") from None
@@ -94,13 +93,25 @@ def serve(scene: Scene, name: str, root: Path, port: int, threads: int | None, r
         )
         try:
             with contextlib.suppress(KeyboardInterrupt):
-                ready(f"http://127.0.0.1:{port}/?token={token}")
-                uvicorn.Server(config).run(sockets=[listening])
+                _Server(config, lambda: ready(f"http://127.0.0.1:{port}/?token={token}")).run(sockets=[listening])
         finally:
             with _deaf():
                 ended = desk.close()
                 listening.close()
     return ended
+
+
+class _Server(uvicorn.Server):
+    """Tells when it has started, and hears Ctrl-C."""
+
+    def __init__(self, config: uvicorn.Config, started: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._told = started
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """As uvicorn's; signals are its own by now."""
+        await super().startup(sockets)
+        self._told()
 
 
 @contextlib.contextmanager
