@@ -1,8 +1,8 @@
 """Mesh files: any file that trimesh reads, as a scene with a shot. The only file that knows trimesh.
 
-1. read the file; whatever goes wrong becomes one line     `_read`
+1. read the file; whatever goes wrong becomes one line     `_read`, `refdof.scene.beside`
 2. every mesh, placed by its node                          `_part`
-3. its colours and textures, made linear                   `_Looks`
+3. its colours and textures, made linear                   `refdof.scene.looks`
 4. the file's own normals, or smooth ones with creases     `refdof.scene.smooth_normals`
 5. a glTF file's animation, skins and morph targets        `refdof.scene.gltf.rig`
 6. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf.camera`, `refdof.scene.framing`
@@ -14,7 +14,6 @@ Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
 
 import io
 import logging
-import urllib.parse
 import warnings
 from codecs import BOM_UTF8
 from dataclasses import replace
@@ -27,14 +26,15 @@ import trimesh
 from refdof._check import Float, Index, InputError, as_choice, as_color, as_float, as_index, as_path
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
+from refdof.scene.beside import FilesBeside
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
 from refdof.scene.gltf.camera import camera_kinds, gltf_camera
 from refdof.scene.gltf.extensions import left_out_extensions
 from refdof.scene.gltf.file import GltfFile, Numbers, read_gltf
-from refdof.scene.gltf.look import look_of
-from refdof.scene.gltf.plain import marked, marks_of, material_of, without_cameras
+from refdof.scene.gltf.plain import marked, marks_of, without_cameras
 from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
-from refdof.scene.material import SHADINGS, Light, Material
+from refdof.scene.looks import Looks
+from refdof.scene.material import SHADINGS, Light
 from refdof.scene.scene import Part, Scene
 from refdof.scene.smooth_normals import smooth_normals
 
@@ -42,13 +42,7 @@ __all__ = ["load_mesh"]
 
 _GLTF = ("glb", "gltf")
 _TEXT = ("obj", "off")
-_MOST_BYTES = 1 << 30  # of a file beside the mesh
-_MOST_PIXELS = 1 << 26  # of a texture: 8192 x 8192, 805 MB as linear colours
 _LONGEST_WARNING = 500
-_GREY = (0.5, 0.5, 0.5)  # albedo of what has no colour
-_WHITE = (1.0, 1.0, 1.0)  # leaves the colours of a texture or of vertices as they are
-_SPECULAR = (0.04, 0.04, 0.04)  # normal reflectance of glass and plastic, glTF 2.0 appendix B
-_MAX_SHININESS = 2000.0  # a highlight narrower than a pixel would only flicker
 
 # trimesh logs for those who listen; without a handler its warnings would be printed.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -85,7 +79,7 @@ def load_mesh(
     try:
         _check_kind(path)
         file = read_gltf(path) if _suffix(path) in _GLTF else None
-        beside, looks = _Beside(path), _Looks(shading, None if file is None else file.header)
+        beside, looks = FilesBeside(path), Looks(shading, None if file is None else file.header)
         extensions = [] if file is None else left_out_extensions(file.header)
         rig = None if file is None or not is_rigged(file.header) else read_rig(file, beside.get)
         with warnings.catch_warnings():
@@ -150,59 +144,19 @@ def _check_kind(path: Path) -> None:
         raise InputError("it is empty")
 
 
-class _Beside(trimesh.resolvers.FilePathResolver):
-    """The files that a mesh file names: plain ones in its folder or below, in any letter case.
+class _Resolver(trimesh.resolvers.FilePathResolver):
+    """`FilesBeside`, as trimesh asks for files."""
 
-    `missing` has those that are left out, with the reason.
-    """
-
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, beside: FilesBeside) -> None:
         super().__init__(str(path))
-        self._root = path.parent.resolve()
-        self.missing: dict[str, str] = {}
+        self._beside = beside
 
     def get(self, name: str) -> bytes:
-        """The bytes of a file by its name, which may be a URI, with slashes of any system.
-
-        Of a path that leads nowhere, such as one of another machine, the last part is looked for beside the mesh.
-        """
-        written = name.strip().replace("\\", "/")
-        reasons = []
-        for text in dict.fromkeys((written, urllib.parse.unquote(written), written.rpartition("/")[2])):
-            try:
-                path = _in_any_case(self._root, text)
-                if path.stat().st_size > _MOST_BYTES:
-                    raise ValueError(f"it has {path.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
-            except (OSError, ValueError) as error:
-                reasons.append(str(error))
-                continue
-            self.missing.pop(name, None)
-            return path.read_bytes()
-        self.missing[name] = reasons[0]
-        raise FileNotFoundError(f"{name}: {reasons[0]}")
-
-
-def _in_any_case(root: Path, name: str) -> Path:
-    """The plain file of a name below `root`; of names that differ in letter case only, the first."""
-    if "://" in name:
-        raise ValueError("it is on another machine; allowed are files beside the mesh")
-    path = root
-    for part in Path(name).parts:
-        found = path / part
-        if not found.exists() and path.is_dir():
-            alike = sorted(other.name for other in path.iterdir() if other.name.lower() == part.lower())
-            found = path / alike[0] if alike else found
-        path = found
-    path = path.resolve()
-    if not path.is_relative_to(root):
-        raise ValueError("it is outside of the mesh file's folder")
-    if not path.is_file():
-        raise ValueError("it is no plain file" if path.exists() else "there is no such file")
-    return path
+        return self._beside.get(name)
 
 
 def _read(
-    path: Path, looks: "_Looks", beside: _Beside, file: GltfFile | None, rig: Rig | None
+    path: Path, looks: Looks, beside: FilesBeside, file: GltfFile | None, rig: Rig | None
 ) -> tuple[list[Part], list[Limb]]:
     """All meshes of the file, in world space; with a rig, in their nodes' space, and each part's limb."""
     if file is None:
@@ -212,7 +166,7 @@ def _read(
         data = without_cameras(file, numbers) if rig is None else marked(file, numbers)
     opened: Any = path if data is None else io.BytesIO(data)
     kind = None if data is None else _suffix(path)
-    loaded = trimesh.load_scene(opened, kind, beside, process=False)  # neither merge nor drop vertices
+    loaded = trimesh.load_scene(opened, kind, _Resolver(path, beside), process=False)  # neither merge nor drop vertices
     parts, limbs = [], []
     for node in loaded.graph.nodes_geometry:
         world, name = loaded.graph[node]
@@ -245,7 +199,7 @@ def _tidied(path: Path) -> bytes | None:
     return data if marked else None
 
 
-def _part(mesh: Any, world: Float, looks: "_Looks") -> tuple[Part, Index, bool]:
+def _part(mesh: Any, world: Float, looks: Looks) -> tuple[Part, Index, bool]:
     """One mesh in world space; `world` (4, 4) is its node's transform. Also the mesh's vertex that each of the part's
     copies, and whether the normals are the file's own.
     """
@@ -275,93 +229,3 @@ def _file_normals(mesh: Any, world: Float) -> Float | None:
         return None
     normal = turned_normals(np.asarray(mesh.vertex_normals, dtype=np.float64), world[:3, :3])
     return normal if np.isfinite(normal).all() else None
-
-
-class _Looks:
-    """Materials as this package wants them; every material and every texture is made once and shared."""
-
-    def __init__(self, shading: str | None, header: dict[str, Any] | None) -> None:
-        self._shading, self._given = "lambert" if shading is None else shading, shading is not None
-        self._header, self.of_gltf = header, header is not None
-        self._materials: dict[Any, Material] = {}
-        self._textures: dict[int, Float | None] = {}
-        self.broken: dict[str, str] = {}  # textures that are left out, with the reason
-
-    def of(self, mesh: Any) -> tuple[Float | None, Float | None, Material]:
-        """Texture coordinates (V, 2), linear colours (V, 3), or (F, 3) if per face, and the material."""
-        visual = mesh.visual
-        if visual.kind in ("vertex", "face"):
-            colors = visual.vertex_colors if visual.kind == "vertex" else visual.face_colors
-            return None, self._linear(colors), self._plain(_WHITE)
-        if visual.kind != "texture":
-            return None, None, self._plain(_GREY)
-        colors = visual.vertex_attributes.get("color", mesh.vertex_attributes.get("color"))
-        fits = visual.uv is not None and np.shape(visual.uv) == (len(mesh.vertices), 2)
-        uv = np.array(visual.uv) if fits else None
-        color = None if colors is None else self._linear(colors)
-        return uv, color, self._material(visual.material, uv is not None)
-
-    def _linear(self, colors: Any) -> Float:
-        """(N, 3) linear RGB of (N, 3 or 4) colours; glTF stores them linear, all others as sRGB."""
-        colors = np.asarray(colors)
-        rgb = colors[:, :3] / (np.iinfo(colors.dtype).max if colors.dtype.kind in "ui" else 1.0)
-        return rgb if self.of_gltf else _decode_srgb(rgb)
-
-    def _plain(self, base_color: tuple[float, float, float]) -> Material:
-        if base_color not in self._materials:
-            self._materials[base_color] = Material(self._shading, base_color, specular=_SPECULAR)
-        return self._materials[base_color]
-
-    def _material(self, source: Any, has_uv: bool) -> Material:
-        """Material of one of trimesh's; the colours of materials are linear already."""
-        key = (id(source), has_uv)
-        if key not in self._materials:
-            shading = self._shading
-            if isinstance(source, trimesh.visual.material.PBRMaterial):
-                image, shininess = source.baseColorTexture, _shininess(source.roughnessFactor)
-                factor = source.baseColorFactor
-                base = _WHITE if factor is None else tuple((factor[:3] / 255.0).tolist())
-                glows = source.emissiveFactor is not None and source.emissiveTexture is None
-                emission = tuple(source.emissiveFactor.tolist()) if glows else (0.0, 0.0, 0.0)
-                index = None if self._header is None else material_of(source.name)
-                if self._header is not None and index is not None:
-                    look = look_of(self._header, index)
-                    base, emission = base if look.base is None else look.base, look.emission
-                    shading = "unlit" if look.unlit and not self._given else shading
-            else:
-                words = getattr(source, "kwargs", {})  # of the .mtl file, as written
-                image, emission = getattr(source, "image", None), (0.0, 0.0, 0.0)
-                if getattr(image, "format", None) is None:  # from no file: trimesh's stand-in for no material
-                    image = None
-                base = words.get("kd", _GREY if image is None else _WHITE)
-                base = tuple(np.broadcast_to(np.maximum(base, 0.0), 3).tolist())
-                shininess = float(np.clip(words.get("ns", 50.0), 1.0, _MAX_SHININESS))
-            texture = self._texture(image) if image is not None and has_uv else None
-            self._materials[key] = Material(shading, base, texture, emission, _SPECULAR, shininess)
-        return self._materials[key]
-
-    def _texture(self, image: Any) -> Float | None:
-        """(h, w, 3) float32 linear RGB; None if the image is broken."""
-        if id(image) not in self._textures:
-            name = f"texture {len(self._textures) + 1}"
-            try:
-                if image.width * image.height > _MOST_PIXELS:
-                    raise ValueError(f"{image.width} x {image.height} pixels; allowed are at most {_MOST_PIXELS}")
-                encoded = np.asarray(image.convert("RGB"))
-            except (OSError, ValueError, SyntaxError) as error:  # Pillow reads pixels only now
-                self._textures[id(image)] = None
-                self.broken[name] = " ".join(str(error).split())
-            else:
-                self._textures[id(image)] = _decode_srgb(np.arange(256) / 255.0).astype(np.float32)[encoded]
-        return self._textures[id(image)]
-
-
-def _shininess(roughness: float | None) -> float:
-    """Phong exponent for a glTF roughness: a quarter of the half vector's 2 / roughness^4 - 2."""
-    alpha = (1.0 if roughness is None else float(roughness)) ** 2
-    return float(np.clip((2.0 / max(alpha * alpha, 1e-6) - 2.0) / 4.0, 1.0, _MAX_SHININESS))
-
-
-def _decode_srgb(encoded: Float) -> Float:
-    """Linear values of sRGB-encoded ones, IEC 61966-2-1."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

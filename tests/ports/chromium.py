@@ -16,6 +16,8 @@ import signal
 import threading
 import time
 
+import pytest
+
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 _OPTIONS = (
     "--headless=new",
@@ -34,8 +36,14 @@ _OPTIONS = (
 
 
 def program():
-    """Path of a Chromium, or None."""
-    return next((found for found in map(shutil.which, PROGRAMS) if found), None)
+    """Path of a Chromium; without one, the test is skipped, or fails where REFDOF_REQUIRE_CHROMIUM is 1."""
+    found = next((found for found in map(shutil.which, PROGRAMS) if found), None)
+    if found is None:
+        reason = f"no Chromium: none of {', '.join(PROGRAMS)}"
+        if os.environ.get("REFDOF_REQUIRE_CHROMIUM") == "1":
+            pytest.fail(f"REFDOF_REQUIRE_CHROMIUM is set, but there is {reason}", pytrace=False)
+        pytest.skip(reason)
+    return found
 
 
 class _Quiet(http.server.SimpleHTTPRequestHandler):

@@ -1,6 +1,5 @@
 """Fixtures: a browser, a server of the studio, and pages of it."""
 
-import os
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -10,16 +9,21 @@ from playwright.sync_api import sync_playwright
 import refdof
 from tests.ports import chromium
 from tests.studio.browser import HOSTILE, SIZE, Studio, served, write_cards
+from tests.studio.page import Page
+
+
+@pytest.fixture
+def page(tmp_path):
+    """A page's end of a session, without a browser."""
+    page = Page(tmp_path)
+    yield page
+    page.desk.close()
+    assert page.errors == []
 
 
 @pytest.fixture(scope="module")
 def browser():
     found = chromium.program()
-    if found is None:
-        reason = f"no Chromium: none of {', '.join(chromium.PROGRAMS)}"
-        if os.environ.get("REFDOF_REQUIRE_CHROMIUM") == "1":
-            pytest.fail(f"REFDOF_REQUIRE_CHROMIUM is set, but there is {reason}", pytrace=False)
-        pytest.skip(reason)
     with sync_playwright() as playwright:
         opened = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-dev-shm-usage"])
         yield opened

@@ -33,6 +33,18 @@ def counting(done, name, count, gate=None):
     return steps
 
 
+def started(desk, work):
+    """Ask for a page's steps, and wait until the first has begun."""
+    first = threading.Event()
+
+    def steps(newer):
+        first.set()
+        yield from work(newer)
+
+    desk.ask("page", steps)
+    assert first.wait(WAIT)
+
+
 def finished(desk, who="last"):
     """Wait until everything asked for so far has been done."""
     event = threading.Event()
@@ -46,14 +58,8 @@ def finished(desk, who="last"):
 
 
 def test_the_newest_request_of_everyone_wins(desk):
-    done, gate, first = [], threading.Event(), threading.Event()
-
-    def started(newer):
-        first.set()
-        yield from counting(done, "old", 3, gate)(newer)
-
-    desk.ask("page", started)
-    assert first.wait(WAIT)
+    done, gate = [], threading.Event()
+    started(desk, counting(done, "old", 3, gate))
     for name in ("lost", "lost too", "new"):  # while the old one is in its first step
         desk.ask("page", counting(done, name, 2))
     gate.set()
@@ -113,14 +119,8 @@ def test_an_error_is_reported_and_the_desk_works_on(desk, errors):
 
 
 def test_who_leaves_gets_no_more_steps(desk):
-    done, first, gate = [], threading.Event(), threading.Event()
-
-    def steps(newer):
-        first.set()
-        yield from counting(done, "gone", 3, gate)(newer)
-
-    desk.ask("page", steps)
-    assert first.wait(WAIT)
+    done, gate = [], threading.Event()
+    started(desk, counting(done, "gone", 3, gate))
     desk.leave("page")
     gate.set()
     finished(desk)

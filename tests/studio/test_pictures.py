@@ -7,15 +7,6 @@ from refdof import ThinLens, View, reference
 from refdof.image.display import display, to_8_bit
 from refdof.rendering import render_view
 from tests.studio import flat
-from tests.studio.page import Page
-
-
-@pytest.fixture
-def page(tmp_path):
-    page = Page(tmp_path)
-    yield page
-    page.desk.close()
-    assert page.errors == []
 
 
 def test_pictures_are_those_of_the_method(page):

@@ -86,7 +86,7 @@ def alive(running):
         opened(socket)
         socket.send(json.dumps({"set": {"state": flat.state(5)}}))
         message, (raw,) = received(socket, kind="picture", step="fine", id=5)
-        assert len(raw) == 4 * message["width"] * message["height"]
+    return len(raw) == 4 * flat.WIDTH * flat.HEIGHT == 4 * message["width"] * message["height"]
 
 
 def test_the_page_is_served_and_may_fetch_from_here_only(running):
@@ -96,7 +96,7 @@ def test_the_page_is_served_and_may_fetch_from_here_only(running):
         assert headers["content-type"].startswith(kind)
         assert "default-src 'none'" in headers["content-security-policy"]
         assert headers["cache-control"] == "no-store"
-    alive(running)
+    assert alive(running)
 
 
 @pytest.mark.parametrize("token", ["", "wrong", "%C3%A4", "a" * 5000])
@@ -114,7 +114,7 @@ def test_a_foreign_origin_is_refused(running, origin):
         assert running.request("/", Origin=origin)[0] == 403
     with pytest.raises(websockets.InvalidStatus), running.socket(origin=origin):
         pass
-    alive(running)
+    assert alive(running)
 
 
 def test_another_name_of_the_machine_is_refused(running):
@@ -139,7 +139,7 @@ def test_large_files_are_refused_before_they_are_read(running):
             answer = wire.getresponse()
             assert answer.status == 413
             answer.read()
-    alive(running)
+    assert alive(running)
 
 
 def test_long_bodies_without_a_length_are_cut_off(running, monkeypatch):
@@ -149,7 +149,7 @@ def test_long_bodies_without_a_length_are_cut_off(running, monkeypatch):
         parts = iter([b"x" * 600] * 3)
         path = f"/drop?session={session}&name=a.obj"
         assert running.request(path, "POST", parts, chunked=True, Transfer_Encoding="chunked")[0] == 413
-    alive(running)
+    assert alive(running)
 
 
 def test_a_dropped_mesh_is_opened(running):
@@ -195,7 +195,7 @@ def test_an_oversized_message_ends_its_socket_only(running):
         socket.send("x" * (2 << 20))
         with pytest.raises(websockets.ConnectionClosed):
             received(socket, kind="none")
-    alive(running)
+    assert alive(running)
 
 
 def test_a_page_that_vanishes_ends_nothing(running):
@@ -203,7 +203,7 @@ def test_a_page_that_vanishes_ends_nothing(running):
         opened(socket)
         socket.send(json.dumps({"set": {"state": flat.state(7, size=[640, 480])}}))
         socket.socket.shutdown(2)
-    alive(running)
+    assert alive(running)
 
 
 def test_there_is_an_end_to_pages(running):
@@ -215,7 +215,7 @@ def test_there_is_an_end_to_pages(running):
             pass
     for _ in range(100):  # they leave one after the other
         with contextlib.suppress(websockets.InvalidStatus):
-            alive(running)
+            assert alive(running)
             return
     raise AssertionError("no page may come any more")
 

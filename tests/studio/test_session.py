@@ -19,14 +19,6 @@ from tests.studio.page import WAIT, Page
 pytestmark = pytest.mark.fast
 
 
-@pytest.fixture
-def page(tmp_path):
-    page = Page(tmp_path)
-    yield page
-    page.desk.close()
-    assert page.errors == []
-
-
 def test_a_page_is_told_the_scene_and_a_first_state(page):
     scene, state = page.first["scene"], page.first["state"]
     assert scene["size"] == [flat.WIDTH, flat.HEIGHT]
@@ -203,11 +195,12 @@ def test_of_two_pages_each_has_its_own(page, tmp_path):
     other = Session(page.desk, Folder(tmp_path), flat.scene(), "flat", lambda *given: told.put(given), lambda _: None)
     other.set_state(flat.state(1, overlay="depth"))
     page.session.set_state(flat.state(1))
-    page.message(kind="picture", step="fine", overlay="none")
-    while told.get(timeout=WAIT)[0].get("step") != "fine":
-        pass
+    mine, _ = page.message(kind="picture", step="fine")
+    theirs = next(message for message, _ in iter(lambda: told.get(timeout=WAIT), None) if message.get("step") == "fine")
+    assert [(one["id"], one["overlay"]) for one in (mine, theirs)] == [(1, "none"), (1, "depth")]
     other.close()
-    page.picture(flat.state(2))
+    assert page.picture(flat.state(2))[0]["id"] == 2
+    assert told.empty()
 
 
 def test_of_a_page_that_is_gone_only_what_it_saves_is_done(page, tmp_path):
