@@ -38,11 +38,14 @@ Levels = npt.NDArray[np.uint8]
 
 
 class Picture(NamedTuple):
-    """A picture for a page: levels (H, W, 3), what it is ("coarse", "fine", "reference"), and its overlay's scale."""
+    """A picture for a page: levels (H, W, 3), its overlay's scale, what it is ("coarse", "fine", "reference"), and the
+    view that it is of.
+    """
 
     levels: Levels
     legend: Legend | None
     step: str
+    view: View
 
 
 class _InterruptedError(Exception):
@@ -71,21 +74,43 @@ class Pictures:
         InputError
             If the lens cannot be: no point in the picture, a focus that the lens does not reach, no such lens.
         """
-        lens, shot = state.lens, self.shot(state, size)
+        lens, camera = state.lens, state.camera if size is None else state.camera.with_size(size)
+        key = camera, lens, state.points, state.frame
+        made = self._views.pop(key, None) if lens.kind != "file" else None  # a file may have changed
+        if made is None:
+            made = self._made(state, camera)
+        self._views[key] = made
+        while len(self._views) > _KEPT:
+            del self._views[next(iter(self._views))]
+        return made
+
+    def _made(self, state: State, camera: Camera) -> View:
+        lens, thin = state.lens, ThinLens(state.lens.radius, state.lens.focus, self.scene.lens.aperture)
         if lens.kind == "thin":
-            return shot
+            return self._seen(camera, thin, state.frame)
         if lens.kind == "file":
             system = self._system_of(lens.file)
             if lens.radius == 0.0:
                 raise InputError("radius: got 0; allowed is a size to which the lens is scaled, above 0")
             real = SystemLens(system, lens.focus, lens.f_number, entrance_pupil(system).radius / lens.radius)
-            return self._kept(real.seen_by(shot.camera), real, state.frame)
-        return self._kept(shot.camera, focus_lens(Focus(state.points, lens.kind), shot, state.frame), state.frame)
+            return self._seen(real.seen_by(camera), real, state.frame)
+        shot = self._seen(camera, thin, state.frame)
+        return shot.with_lens(focus_lens(Focus(state.points, lens.kind), shot, state.frame))
 
-    def shot(self, state: State, size: tuple[int, int] | None = None) -> View:
-        """The view of a state through a thin lens, which focus points are seen by."""
-        camera = state.camera if size is None else state.camera.with_size(size)
-        return self._kept(camera, ThinLens(state.lens.radius, state.lens.focus, self.scene.lens.aperture), state.frame)
+    def _seen(self, camera: Camera, lens: ThinLens, frame: float) -> View:
+        """A view of the camera and lens that shares what the latest one of its kind has made."""
+        views = [view for view in reversed(self._views.values()) if self._stands(view.scene, frame)]
+        for view in views:
+            if view.camera == camera:
+                return view.with_lens(lens)
+        for view in views:
+            if view.camera.with_size(camera.size) == camera:
+                return view.with_size(camera.size).with_lens(lens)
+        return View(self.scene.at_frame(frame), camera, lens)
+
+    def _stands(self, scene: Scene, frame: float) -> bool:
+        """Whether a scene of a view is where ours is at a frame: a still one always."""
+        return self.scene.frames is None or scene.frame == frame
 
     def steps(self, state: State, newer: Callable[[], bool]) -> Iterator[Picture | None]:
         """Pictures of a state, each better than the one before; None where there is no new one.
@@ -108,31 +133,14 @@ class Pictures:
     def _picture(self, state: State, view: View, step: str, samples: int) -> tuple[Picture, Float | None]:
         """What is shown, and the method's picture if that took one."""
         if state.overlay in ("coc", "depth", "layers"):  # of what is there, whatever the method makes of it
-            return Picture(*draw_overlay(state.overlay, view, None), step), None
+            return Picture(*draw_overlay(state.overlay, view, None), step, view), None
         image = self._rendered(view, state, samples)
         if state.overlay == "focus":
-            return Picture(*draw_overlay("focus", view, image), step), image
-        return Picture(to_8_bit(image), None, step), image
+            return Picture(*draw_overlay("focus", view, image), step, view), image
+        return Picture(to_8_bit(image), None, step, view), image
 
     def _rendered(self, view: View, state: State, samples: int) -> Float:
         return render_view(state.method, view, **settings_of_method(state.method, samples)).image
-
-    def _kept(self, camera: Camera, lens: ThinLens, frame: float) -> View:
-        """A view of the camera and lens that shares what an earlier one has made."""
-        key = camera, frame
-        last = self._views.pop(key, None)
-        if last is None:
-            views = [
-                view
-                for (other, at), view in self._views.items()
-                if (at, other.with_size(camera.size)) == (frame, camera)
-            ]
-            last = views[-1].with_size(camera.size) if views else View(self.scene.at_frame(frame), camera, lens)
-        view = last.with_lens(lens)
-        self._views[key] = view
-        while len(self._views) > _KEPT:
-            del self._views[next(iter(self._views))]
-        return view
 
 
 def _errors(view: View, image: Float, newer: Callable[[], bool]) -> Iterator[Picture | None]:
@@ -151,7 +159,7 @@ def _errors(view: View, image: Float, newer: Callable[[], bool]) -> Iterator[Pic
             yield None
             continue
         block += 1
-        yield Picture(*error_map(image, total / block, block * _BLOCK), "reference")
+        yield Picture(*error_map(image, total / block, block * _BLOCK), "reference", view)
 
 
 def settings_of_method(method: str, samples: int) -> dict[str, Any]:

@@ -169,27 +169,22 @@ class Session:
             "seconds": seconds,
             "overlay": state.overlay,
             "legend": None if picture.legend is None else picture.legend._asdict(),
-            "points": self._markers(state),
+            "points": self._markers(state, picture.view),
         }
         self._tell(message, [opaque.tobytes()])
 
-    def _markers(self, state: State) -> list[dict[str, float] | None]:
-        """Where the points are in the picture [px], and what they weigh; None where one is not to be seen."""
-        view = None
-        if state.points:  # a lens of a file has a field of view of its own
-            view = self._pictures.view(state) if state.lens.kind == "file" else self._pictures.shot(state)
+    def _markers(self, state: State, view: View) -> list[dict[str, float] | None]:
+        """Where the points are in the fine picture [px], and what they weigh; None where one is not to be seen."""
+        scale = state.camera.width / view.camera.width, state.camera.height / view.camera.height
         marks: list[dict[str, float] | None] = []
         for point in state.points:
-            assert view is not None
             try:
                 found = placed([point], view, state.frame)
             except InputError:
                 marks.append(None)
                 continue
-            x, y = found.places[0]
-            marks.append(
-                {"x": float(x), "y": float(y), "weight": float(found.weight[0]), "depth": float(found.depth[0])}
-            )
+            x, y = (found.places[0] * scale).tolist()
+            marks.append({"x": x, "y": y, "weight": float(found.weight[0]), "depth": float(found.depth[0])})
         return marks
 
     def _pick(self, content: dict[str, Any], _: list[bytes]) -> dict[str, Any]:

@@ -5,7 +5,10 @@ import pytest
 
 from refdof import ThinLens, View, reference
 from refdof.image.display import display, to_8_bit
+from refdof.optics.systems.prescription import load_lens
 from refdof.rendering import render_view
+from refdof.studio.pictures import Pictures
+from refdof.studio.state import parse_state
 from tests.studio import flat
 
 
@@ -29,3 +32,36 @@ def test_the_error_is_the_difference_to_the_reference(page):
     root = float(message["legend"]["unit"].split("RMSE ")[1].split()[0])
     assert root == pytest.approx(np.sqrt(np.mean(error**2)), abs=1e-4)  # four digits are shown
     assert (levels.sum(axis=2)[error.max(axis=2) == 0.0] == 0).all()
+
+
+@pytest.mark.fast
+def test_what_a_change_leaves_as_it_was_is_kept():
+    """A new focus, aperture or, in a still scene, frame traces rays only; another size keeps Embree's structure."""
+    pictures = Pictures(flat.scene(), load_lens)
+    first = pictures.view(parse_state(flat.state(1)))
+    layers, tracer = first.layers(1), first.tracer()
+    assert pictures.view(parse_state(flat.state(2, method="lensblur", overlay="coc"))) is first
+    for change in ({"lens_focus": 5.0}, {"lens_radius": 0.2}, {"frame": 3}, {"lens_kind": "plane", "points": points()}):
+        view = pictures.view(parse_state(flat.state(3, **change)))
+        assert view is not first
+        assert view.layers(1) is layers
+    smaller = pictures.view(parse_state(flat.state(4)), (16, 12))
+    assert smaller.tracer() is tracer
+    assert smaller.layers(1).depth.shape[1:] == (12, 16)
+    moved = flat.state(5)
+    moved["camera"]["eye"] = [0.5, 0.0, 0.0]
+    assert pictures.view(parse_state(moved)).tracer() is not tracer
+
+
+@pytest.mark.fast
+def test_a_moving_scene_is_looked_at_anew_at_every_frame():
+    rest = flat.scene()
+    scene = rest.with_frames(np.stack([rest.vertices, rest.vertices - [0.0, 0.0, 1.0]]))
+    pictures = Pictures(scene, load_lens)
+    for frame in (0, 1, 0.5, 0):
+        view = pictures.view(parse_state(flat.state(1, frame=frame)))
+        np.testing.assert_allclose(view.pinhole().depth, flat.depth() + frame, rtol=1e-6)  # of layers: float32
+
+
+def points():
+    return [{"triangle": 0, "barycentrics": [1, 1, 1], "keep": True}]
