@@ -71,7 +71,9 @@ FACES = np.array([[0, 1, 2]])
 UV = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])
 NORMAL = np.array([[0.0, 0.0, 1.0]] * 3)
 TEXELS = np.linspace(0.0, 1.0, 12).reshape(2, 2, 3)
-MATERIAL = Material("phong", (0.5, 0.5, 0.5), TEXELS, (0.0, 0.1, 0.0), (0.2, 0.2, 0.2), 8.0)
+MATERIAL = Material(
+    "phong", (0.5, 0.5, 0.5), TEXELS, (0.0, 0.1, 0.0), (0.2, 0.2, 0.2), 8.0, TEXELS, 0.9, TEXELS[..., 0], 0.5
+)
 # Of one colour: it meets any tolerance at once.
 EVEN = Scene.from_parts("even", [Part(CORNERS, FACES, Material("unlit"))], CAMERA, LENS, (1.0, 1.0, 1.0))
 LIGHT = Light(environment=np.full((2, 2, 3), 0.5))
@@ -613,6 +615,7 @@ INNER = {
     "refdof.metrics.perceptual.flip_processes",
     "refdof.metrics.scores_of_many",
     "refdof.scene.material.as_colors",
+    "refdof.scene.material.as_opacity",
     "refdof.image.display.encode",
     "refdof.image.file.save_channels",
     "refdof.image.display.encode_one",

@@ -10,6 +10,10 @@ phong     a * E(n) + emission + specular * (sun * max(0, r.l)^shininess + enviro
 
 E(n) = sun * max(0, n.l) + ground + (sky - ground) * (1 + n.y) / 2, r the mirror direction of o about n. Every surface
 has two sides: n is turned towards the viewer. No shadows: what a scene wants dark is dark in its colours.
+
+The opacity of a surface point is opacity * opacity texture * vertex opacity. With a cutoff, points of lower opacity are
+holes and all others are solid (alpha test). Without one, a ray is stopped with that probability (alpha blending); points
+of opacity 0 are holes.
 """
 
 from dataclasses import dataclass
@@ -23,14 +27,16 @@ from refdof._check import (
     InputError,
     as_choice,
     as_color,
+    as_float,
     as_image,
     as_number,
     as_vector,
 )
 
-__all__ = ["SHADINGS", "Light", "Material", "as_colors"]
+__all__ = ["SHADINGS", "WRAPS", "Light", "Material", "as_colors", "as_opacity"]
 
 SHADINGS = ("unlit", "lambert", "phong")
+WRAPS = ("repeat", "clamp", "mirror")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +49,19 @@ class Material:
     base_color, emission, specular : (3,) floats >= 0
         Emission may exceed 1 (HDR emitters). `specular` is used by phong only.
     texture : (h, w, 3) float32, or None
-        Linear RGB, bilinear, repeated; (u, v) = (0, 0) is its lower left corner, row 0 its top row.
+        Linear RGB, bilinear; (u, v) = (0, 0) is its lower left corner, row 0 its top row.
     shininess : float
         Phong exponent >= 1.
+    emission_texture : (h, w, 3) float32, or None
+        Linear RGB, read as `texture`; multiplies `emission`.
+    opacity : float
+        0 .. 1.
+    opacity_texture : (h, w) float32, or None
+        0 .. 1, read as `texture`; multiplies `opacity`.
+    cutoff : float, or None
+        0 .. 1: what is less opaque is a hole, all else is solid. None: surfaces are as transparent as their opacity.
+    wrap : (2,) of "repeat", "clamp" and "mirror"
+        How textures go on outside 0 .. 1, along u and along v.
     """
 
     shading: str = "lambert"
@@ -54,14 +70,31 @@ class Material:
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     specular: tuple[float, float, float] = (0.0, 0.0, 0.0)
     shininess: float = 50.0
+    emission_texture: Float | None = None
+    opacity: float = 1.0
+    opacity_texture: Float | None = None
+    cutoff: float | None = None
+    wrap: tuple[str, str] = ("repeat", "repeat")
 
     def __post_init__(self) -> None:
         as_choice("shading", self.shading, SHADINGS)
         for name in ("base_color", "emission", "specular"):
             object.__setattr__(self, name, as_color(name, getattr(self, name)))
         object.__setattr__(self, "shininess", as_number("shininess", self.shininess, minimum=1.0, maximum=1e6))
-        if self.texture is not None:
-            object.__setattr__(self, "texture", as_colors("texture", self.texture, (None, None, 3)))
+        for name in ("texture", "emission_texture"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, as_colors(name, getattr(self, name), (None, None, 3)))
+        object.__setattr__(self, "opacity", as_number("opacity", self.opacity, minimum=0.0, maximum=1.0))
+        if self.opacity_texture is not None:
+            texture = as_opacity("opacity_texture", self.opacity_texture, (None, None))
+            if not texture.size:
+                raise InputError(f"opacity_texture: got shape {texture.shape}; allowed is at least one pixel")
+            object.__setattr__(self, "opacity_texture", texture)
+        if self.cutoff is not None:
+            object.__setattr__(self, "cutoff", as_number("cutoff", self.cutoff, minimum=0.0, maximum=1.0))
+        if not isinstance(self.wrap, (tuple, list)) or len(self.wrap) != 2:
+            raise InputError(f"wrap: got {self.wrap!r}; allowed are two of {', '.join(WRAPS)}")
+        object.__setattr__(self, "wrap", tuple(as_choice("wrap", wrap, WRAPS) for wrap in self.wrap))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,3 +137,8 @@ class Light:
 def as_colors(name: str, value: Any, shape: tuple[int | None, ...]) -> Float:
     """Return `value` as linear RGB, float32, whose products stay in that type."""
     return as_image(name, value, shape, dtype=np.float32, minimum=0.0, maximum=LARGEST_COLOR)
+
+
+def as_opacity(name: str, value: Any, shape: tuple[int | None, ...]) -> Float:
+    """Return `value` as opacities, float32 in 0 .. 1."""
+    return as_float(name, value, shape, dtype=np.float32, minimum=0.0, maximum=1.0)

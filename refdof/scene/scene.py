@@ -23,7 +23,7 @@ from refdof._check import (
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.scene.animation import Animation, between_frames, scaled_camera
-from refdof.scene.material import SHADINGS, Light, Material, as_colors
+from refdof.scene.material import SHADINGS, Light, Material, as_colors, as_opacity
 
 __all__ = ["Part", "Scene"]
 
@@ -44,6 +44,8 @@ class Part:
         Linear RGB that multiplies the material's.
     normal : (V, 3), or None
         Unit shading normals; None: every face is flat.
+    opacity : (V,), or None
+        0 .. 1; multiplies the material's.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Part:
     uv: Float | None = None
     color: Float | None = None
     normal: Float | None = None
+    opacity: Float | None = None
 
     def __post_init__(self) -> None:
         vertices = _places("vertices", self.vertices)
@@ -70,6 +73,8 @@ class Part:
             object.__setattr__(self, "color", as_colors("color", self.color, (count, 3)))
         if self.normal is not None:
             object.__setattr__(self, "normal", as_float("normal", self.normal, (count, 3), dtype=np.float32))
+        if self.opacity is not None:
+            object.__setattr__(self, "opacity", as_opacity("opacity", self.opacity, (count,)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +91,7 @@ class Scene:
     camera, lens : the suggested shot
     dropped_faces : how many degenerate triangles were left out
     animation : where the vertices go, or None; the scene stands at one frame of it
+    opacity : (V,) float32 in 0 .. 1, or None: 1 everywhere
 
     Raises
     ------
@@ -107,6 +113,7 @@ class Scene:
     lens: ThinLens
     dropped_faces: int = 0
     animation: Animation | None = None
+    opacity: Float | None = None
 
     def __post_init__(self) -> None:
         as_instance("name", self.name, str)
@@ -130,6 +137,8 @@ class Scene:
             as_instance(name, getattr(self, name), kind)
         if self.animation is not None:
             as_instance("animation", self.animation, Animation)
+        if self.opacity is not None:
+            object.__setattr__(self, "opacity", as_opacity("opacity", self.opacity, (count,)))
 
     @property
     def frames(self) -> tuple[int, int] | None:
@@ -201,13 +210,15 @@ class Scene:
             solid = _has_area(vertices, faces)
             dropped += int((~solid).sum())
             faces = faces[solid]
-            uv, color, normal = part.uv, part.color, part.normal
+            uv, color, normal, opacity = part.uv, part.color, part.normal, part.opacity
             if normal is None:
-                vertices, faces, uv, color, normal = _flat(vertices, faces, uv, color)
+                vertices, faces, normal, *looks = _flat(vertices, faces, uv, color, opacity)
+                uv, color, opacity = looks
             count = len(vertices)
             uv = np.zeros((count, 2)) if uv is None else uv
             color = np.ones((count, 3)) if color is None else color
-            meshes.append((vertices, faces + first, uv, color, normal))
+            opacity = np.ones(count) if opacity is None else opacity
+            meshes.append((vertices, faces + first, uv, color, normal, opacity))
             first += count
         materials = list(dict.fromkeys(part.material for part in parts))
         face_material = [np.full(len(m[1]), materials.index(p.material)) for m, p in zip(meshes, parts, strict=True)]
@@ -215,6 +226,8 @@ class Scene:
         def join(k: int, columns: int, dtype: type) -> Any:
             empty = np.zeros((0, columns))
             return np.concatenate([empty, *(m[k] for m in meshes)]).astype(dtype)
+
+        opaque = all(part.opacity is None for part in parts)
 
         return cls(
             name,
@@ -230,6 +243,7 @@ class Scene:
             camera,
             lens,
             dropped,
+            opacity=None if opaque else np.concatenate([m[5] for m in meshes]),
         )
 
     def with_shading(self, shading: str) -> "Scene":
@@ -269,8 +283,8 @@ def _has_area(vertices: Float, faces: Index) -> np.ndarray:
     return (np.cross(b - a, c - a) != 0.0).any(axis=1)
 
 
-def _flat(vertices: Float, faces: Index, uv: Float | None, color: Float | None) -> tuple:
-    """Give every triangle its own corners and its geometric normal."""
+def _flat(vertices: Float, faces: Index, *looks: Float | None) -> tuple:
+    """Give every triangle its own corners, with what vertices have, and its geometric normal."""
     corner = faces.ravel()
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -279,7 +293,6 @@ def _flat(vertices: Float, faces: Index, uv: Float | None, color: Float | None) 
     return (
         vertices[corner],
         np.arange(len(corner)).reshape(-1, 3),
-        None if uv is None else uv[corner],
-        None if color is None else color[corner],
         np.repeat(normal, 3, axis=0),
+        *(None if look is None else look[corner] for look in looks),
     )
