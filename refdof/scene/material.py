@@ -11,9 +11,9 @@ phong     a * E(n) + emission + specular * (sun * max(0, r.l)^shininess + enviro
 E(n) = sun * max(0, n.l) + ground + (sky - ground) * (1 + n.y) / 2, r the mirror direction of o about n. Every surface
 has two sides: n is turned towards the viewer. No shadows: what a scene wants dark is dark in its colours.
 
-The opacity of a surface point is opacity * opacity texture * vertex opacity. With a cutoff, points of lower opacity are
-holes and all others are solid (alpha test). Without one, a ray is stopped with that probability (alpha blending); points
-of opacity 0 are holes.
+The opacity of a surface point is opacity * opacity texture * vertex opacity. With a cutoff, points of lower opacity
+are holes and all others are solid (alpha test). Without one, a ray is stopped with that probability (alpha blending);
+points of opacity 0 are holes.
 """
 
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Material:
         0 .. 1, read as `texture`; multiplies `opacity`.
     cutoff : float, or None
         0 .. 1: what is less opaque is a hole, all else is solid. None: surfaces are as transparent as their opacity.
-    wrap : (2,) of "repeat", "clamp" and "mirror"
+    wrap : "repeat", "clamp" or "mirror", or two of them
         How textures go on outside 0 .. 1, along u and along v.
     """
 
@@ -74,7 +74,7 @@ class Material:
     opacity: float = 1.0
     opacity_texture: Float | None = None
     cutoff: float | None = None
-    wrap: tuple[str, str] = ("repeat", "repeat")
+    wrap: str | tuple[str, str] = ("repeat", "repeat")
 
     def __post_init__(self) -> None:
         as_choice("shading", self.shading, SHADINGS)
@@ -92,9 +92,9 @@ class Material:
             object.__setattr__(self, "opacity_texture", texture)
         if self.cutoff is not None:
             object.__setattr__(self, "cutoff", as_number("cutoff", self.cutoff, minimum=0.0, maximum=1.0))
-        if not isinstance(self.wrap, (tuple, list)) or len(self.wrap) != 2:
-            raise InputError(f"wrap: got {self.wrap!r}; allowed are two of {', '.join(WRAPS)}")
-        object.__setattr__(self, "wrap", tuple(as_choice("wrap", wrap, WRAPS) for wrap in self.wrap))
+        pair = isinstance(self.wrap, tuple | list) and len(self.wrap) == 2
+        u, v = self.wrap if pair else (self.wrap, self.wrap)
+        object.__setattr__(self, "wrap", (as_choice("wrap", u, WRAPS), as_choice("wrap", v, WRAPS)))
 
 
 @dataclass(frozen=True, eq=False)
