@@ -99,9 +99,9 @@ class View:
         """Embree's acceleration structure in camera space."""
 
         def build() -> Tracer:
-            exponent = self.surfaces().exponent
-            vertices = np.ldexp(self.camera.camera_from_world(self.scene.vertices), -exponent)
-            return new_tracer(vertices, self.scene.faces)
+            surfaces = self.surfaces()
+            vertices = np.ldexp(self.camera.camera_from_world(self.scene.vertices), -surfaces.exponent)
+            return new_tracer(vertices, self.scene.faces, surfaces)
 
         return self.product("tracer", build)
 
@@ -142,6 +142,10 @@ class View:
             return exact_layers(self.surfaces(), self.tracer(), self.projection(), count)
 
         return self.product(f"layers {count or 'all'}", build)
+
+    def seen_through(self) -> Layers | None:
+        """All surfaces, for the colours of transparent ones; None: there is none."""
+        return self.layers() if self.surfaces().blends else None
 
     def umbra_layers(self, count: int | None = None, extent_px: int = 2) -> Layers:
         """The nearest `count` surfaces that the lens can see past the ones before, `refdof.raster.rays.umbra`; None:

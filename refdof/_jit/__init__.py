@@ -12,11 +12,12 @@ from refdof._jit.compile import (
     source_digest,
     tile_kernel,
 )
-from refdof._jit.memory import borrow, call_address, fetch_row, load_int32, store_int32
+from refdof._jit.memory import array_at, borrow, call_address, fetch_row
 from refdof._jit.threads import run_tasks, thread_count, use_threads
 
 __all__ = [
     "JIT_DISABLED",
+    "array_at",
     "borrow",
     "cache_folder",
     "call_address",
@@ -25,12 +26,10 @@ __all__ = [
     "fetch_row",
     "inline",
     "kernel",
-    "load_int32",
     "prange",
     "results_folder",
     "run_tasks",
     "source_digest",
-    "store_int32",
     "thread_count",
     "tile_kernel",
     "use_threads",

@@ -4,6 +4,7 @@ import ctypes
 from typing import Any
 
 import numba
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -11,7 +12,7 @@ from numba.extending import intrinsic
 
 from refdof._jit.compile import JIT_DISABLED
 
-__all__ = ["borrow", "call_address", "fetch_row", "load_int32", "store_int32"]
+__all__ = ["array_at", "borrow", "call_address", "fetch_row"]
 
 _CACHE_LINE = 64  # bytes
 
@@ -32,24 +33,12 @@ def _call_compiled(typingctx: Any, address: Any, first: Any, second: Any, third:
 
 
 @intrinsic
-def load_int32(typingctx: Any, address: Any) -> Any:
-    """The int32 at `address`, an integer. For callbacks, which see raw memory only."""
-    signature = types.int32(types.intp)
+def _pointer(typingctx: Any, address: Any) -> Any:
+    """The pointer to `address`, an integer."""
+    signature = types.voidptr(types.intp)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return builder.load(builder.inttoptr(arguments[0], ir.IntType(32).as_pointer()))
-
-    return signature, generate
-
-
-@intrinsic
-def store_int32(typingctx: Any, address: Any, value: Any) -> Any:
-    """Write the int32 `value` to `address`, an integer. For callbacks, which see raw memory only."""
-    signature = types.void(types.intp, types.int32)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.IntType(32).as_pointer()))
-        return context.get_dummy_value()
+        return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
 
     return signature, generate
 
@@ -88,6 +77,12 @@ def _call_interpreted(address: int, first: int, second: int, third: int, fourth:
     ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4)(address)(first, second, third, fourth)
 
 
+def _array_interpreted(address: int, shape: Any, dtype: Any) -> Any:
+    count = int(np.prod(shape))
+    memory = (ctypes.c_char * (count * np.dtype(dtype).itemsize)).from_address(address) if count else b""
+    return np.frombuffer(memory, dtype=dtype).reshape(shape)
+
+
 def _identity(array: Any) -> Any:
     return array
 
@@ -97,7 +92,7 @@ def _fetch_nothing(array: Any, row: int) -> None:
 
 
 if JIT_DISABLED:
-    call_address, borrow, fetch_row = _call_interpreted, _identity, _fetch_nothing
+    call_address, borrow, fetch_row, array_at = _call_interpreted, _identity, _fetch_nothing, _array_interpreted
 else:
 
     @numba.njit(cache=True)
@@ -121,3 +116,8 @@ else:
         for line in range(0, array.strides[0], _CACHE_LINE):
             _fetch(first + line)
         _fetch(first + array.strides[0] - 1)
+
+    @numba.njit(cache=True)
+    def array_at(address, shape, dtype):
+        """The array of this shape and type at `address`, an integer. For callbacks, which see raw memory only."""
+        return numba.carray(_pointer(address), shape, dtype)

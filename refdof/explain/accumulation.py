@@ -14,6 +14,7 @@ from refdof.explain.explanation import COLOR, Explanation
 from refdof.methods.accumulation import render
 from refdof.optics.aperture_sampling import aperture_sampler_of
 from refdof.optics.owen_sobol import block_of
+from refdof.raster.materials.texel import TEXTURE_COLUMNS
 from refdof.raster.rays.embree import Tracer, new_packets, new_query, new_tracer
 from refdof.raster.rays.surfaces import Surfaces
 from refdof.scene.material import SHADINGS
@@ -62,7 +63,7 @@ def _rays(view: View, params: Any, pixel: tuple[int, int]) -> Float:
 
 def _traced(surfaces: Surfaces, tracer: Tracer, aim: Aim, pixel: tuple[int, int], count: int) -> Float:
     """What each of `count` rays sees: (count, 3)."""
-    query, packets = new_query(coherent=True), new_packets(1)
+    query, packets = new_query(tracer, coherent=True), new_packets(1)
     traversal = Traversal(tracer.scene, tracer.packet, query, packets)
     sums = np.zeros((count, 1, 1, 3))
     for n in range(count):
@@ -110,6 +111,7 @@ def _showing(surfaces: Surfaces, corner: Float, values: Float) -> Surfaces:
         emission=np.zeros((1, 3)),
         specular=np.zeros((1, 3)),
         shininess=np.ones(1),
-        texture=np.zeros((1, 3), dtype=np.int64),
+        texture=np.zeros((1, TEXTURE_COLUMNS), dtype=np.int64),
+        emission_texture=np.zeros((1, TEXTURE_COLUMNS), dtype=np.int64),
         light=light,
     )

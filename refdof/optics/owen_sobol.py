@@ -29,7 +29,17 @@ import numpy as np
 from refdof._check import Index
 from refdof._jit import borrow, inline
 
-__all__ = ["MAX_LOG2", "Block", "axis_seed", "block_of", "borrow_block", "reverse_bits", "scramble", "scramble_state"]
+__all__ = [
+    "MAX_LOG2",
+    "Block",
+    "axis_seed",
+    "block_of",
+    "borrow_block",
+    "mix64",
+    "reverse_bits",
+    "scramble",
+    "scramble_state",
+]
 
 MAX_LOG2 = 20  # points per scramble: 2^20
 # [6], new-joe-kuo-6: degree, inner coefficients and first numbers of lens x, lens y, pixel x, pixel y.
@@ -134,18 +144,18 @@ def scramble(x, seed):
 @inline
 def scramble_state(seed, replicate, pixel):
     """The 64-bit state from which the scrambles of one pixel in one replicate are drawn; pixel >= 0."""
-    state = _mix(np.uint64(seed) + np.uint64(replicate + 1) * _STEP)
-    return _mix(state + np.uint64(pixel + 1) * _STEP)
+    state = mix64(np.uint64(seed) + np.uint64(replicate + 1) * _STEP)
+    return mix64(state + np.uint64(pixel + 1) * _STEP)
 
 
 @inline
 def axis_seed(state, axis):
     """The seed of `scramble` for one axis: the upper half of the next output of [4]."""
-    return np.uint32(_mix(state + np.uint64(axis + 1) * _STEP) >> np.uint64(32))
+    return np.uint32(mix64(state + np.uint64(axis + 1) * _STEP) >> np.uint64(32))
 
 
 @inline
-def _mix(x):
+def mix64(x):
     """The 64-bit finaliser of [4]: every output bit depends evenly on every input bit."""
     x = np.uint64((x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9))
     x = np.uint64((x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB))

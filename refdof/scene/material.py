@@ -92,9 +92,8 @@ class Material:
             object.__setattr__(self, "opacity_texture", texture)
         if self.cutoff is not None:
             object.__setattr__(self, "cutoff", as_number("cutoff", self.cutoff, minimum=0.0, maximum=1.0))
-        pair = isinstance(self.wrap, tuple | list) and len(self.wrap) == 2
-        u, v = self.wrap if pair else (self.wrap, self.wrap)
-        object.__setattr__(self, "wrap", (as_choice("wrap", u, WRAPS), as_choice("wrap", v, WRAPS)))
+        pair: Any = self.wrap if isinstance(self.wrap, tuple | list) and len(self.wrap) == 2 else (self.wrap,) * 2
+        object.__setattr__(self, "wrap", tuple(as_choice("wrap", word, WRAPS) for word in pair))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ white falls, sampling starts with enough points to hit it several times.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def first_samples(view: View, tolerance: float) -> Index:
     """
     camera, lens = view.camera, view.lens
     wanted = np.ones((camera.height, camera.width), dtype=np.int64)
-    faces, radiance = _bright_faces(view.scene)
+    faces, radiance, solid = _bright_faces(view.scene)
     if not len(faces) or lens.radius == 0.0:
         return wanted
     points = camera.project(view.scene.vertices)
@@ -37,6 +38,7 @@ def first_samples(view: View, tolerance: float) -> Index:
         circle = lens.largest_circle_px(corners[..., 2], camera)
         a, b = corners[:, 1, :2] - corners[:, 0, :2], corners[:, 2, :2] - corners[:, 0, :2]
         area = float(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) / 4.0  # half: a closed body is seen once
+        area *= float(solid[group].mean())
         share = area / (math.pi * circle * circle) if circle > 0.0 else 1.0
         if circle < 0.5 or share >= 1.0 or not share > 0.0 or share * radiance[group].max() < tolerance:
             continue
@@ -48,20 +50,33 @@ def first_samples(view: View, tolerance: float) -> Index:
     return wanted
 
 
-def _bright_faces(scene: Scene) -> tuple[Index, Float]:
-    """Triangles (N, 3) that can send out more than white, and the most they send (N,)."""
-    most = np.array([max(m.emission) for m in scene.materials])
+def _bright_faces(scene: Scene) -> tuple[Index, Float, Float]:
+    """Triangles (N, 3) that can send out more than white, the most they send (N,), and how much of them is no hole."""
+    most = np.array([max(m.emission) * _brightest(m.emission_texture) for m in scene.materials])
     unlit = np.array([_albedo(m) if m.shading == "unlit" else 0.0 for m in scene.materials])
     if not len(most):
-        return np.zeros((0, 3), dtype=np.int64), np.zeros(0)
+        return np.zeros((0, 3), dtype=np.int64), np.zeros(0), np.zeros(0)
     color = scene.color.max(axis=1)[scene.faces].max(axis=1)
     radiance = most[scene.face_material] + unlit[scene.face_material] * color
     bright = radiance > 1.0
-    return scene.faces[bright], radiance[bright]
+    solid = np.array([_solid(m) for m in scene.materials])
+    return scene.faces[bright], radiance[bright], solid[scene.face_material[bright]]
 
 
 def _albedo(material: Material) -> float:
-    return max(material.base_color) * (1.0 if material.texture is None else float(material.texture.max()))
+    return max(material.base_color) * _brightest(material.texture)
+
+
+def _brightest(texture: Float | None) -> float:
+    return 1.0 if texture is None else float(texture.max())
+
+
+def _solid(material: Material) -> float:
+    """Mean opacity, of a material's whole texture."""
+    opacity: Any = np.float64(material.opacity)
+    if material.opacity_texture is not None:
+        opacity = opacity * material.opacity_texture
+    return float(np.mean(opacity if material.cutoff is None else opacity >= material.cutoff))
 
 
 def _islands(vertices: Float, faces: Index) -> list[Index]:

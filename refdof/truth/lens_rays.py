@@ -24,7 +24,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, call_address, fetch_row, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
-from refdof.optics.owen_sobol import axis_seed, borrow_block, reverse_bits, scramble, scramble_state
+from refdof.optics.owen_sobol import axis_seed, borrow_block, mix64, reverse_bits, scramble, scramble_state
 from refdof.optics.projection import Projection
 from refdof.optics.ray_map import RayMap, borrow_ray_map, ray_block
 from refdof.optics.systems.lens_map import new_scratch
@@ -38,7 +38,7 @@ _UNIT = 2.0**-32
 _FINE = 16  # so many times as many cells as share a packet: fewer are too far apart
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
-_MASK, _PRIM, _GEOM, _INST = Row.MASK, Row.PRIM, Row.GEOM, Row.INST
+_MASK, _ID, _PRIM, _GEOM, _INST = Row.MASK, Row.ID, Row.PRIM, Row.GEOM, Row.INST
 
 
 class Aim(NamedTuple):
@@ -142,6 +142,8 @@ def _trace(surfaces, traversal, aim, block, pixels, replicate, cells, work, sums
             weight = weights[begin:end]
             _aim_rays(ray_map, scratch, aim.wavelength, aperture_sampler, projection, tangents, x, y, dx, dy, weight)
         _fill_packets(rays, strands, cells, used, packets, integers)
+        if surfaces.blends:
+            _name_rays(borrow(work[0].view(np.uint64)), strands, cells, used, integers)
         for k in range(used):
             call_address(traversal.packet, valid, traversal.scene, first_packet + k * stride, arguments)
         _gather(surfaces, integers, rays, weights, ray_map, cells, totals)
@@ -275,6 +277,24 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
             packets[k, _DY, lane] = rays[3, source]
             packets[k, _FAR, lane] = np.inf
             integers[k, _GEOM, lane] = -1
+
+
+@inline
+def _name_rays(bits, strands, cells, used, integers):
+    """Write ids that hang on all bits of a ray, from which it draws whether a transparent surface stops it."""
+    for k in range(used):
+        for lane in range(LANES):
+            source = _source(min(k * LANES + lane, strands * cells - 1), strands, cells)
+            name = mix64(bits[0, source])
+            for row in range(1, 4):
+                name = mix64(name ^ bits[row, source])
+            integers[k, _ID, lane] = np.int32(name & np.uint64(0x7FFFFFFF))
+
+
+@inline
+def _source(entry, strands, cells):
+    """Where a packet's ray was made: a strand's cells lie side by side."""
+    return entry if cells == 1 else (entry % cells) * strands + entry // cells
 
 
 @inline

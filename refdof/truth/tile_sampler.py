@@ -97,7 +97,8 @@ class TileSampler:
     def _trace(self, pixels: Index, start: int, count: int) -> Any:
         """Sums (R, N, 3) over points start .. start + count - 1 of every replicate."""
         sums = np.zeros((self.replicates, len(pixels), 3))
-        tracer, query, packets = self._tracer, new_query(coherent=True), new_packets(_PACKETS)
+        tracer = self._tracer
+        query, packets = new_query(tracer, coherent=True), new_packets(_PACKETS)
         block = block_of(start, count.bit_length() - 1)
         traversal = Traversal(tracer.scene, tracer.packet, query, packets)
         if len(self._aims) == 1:

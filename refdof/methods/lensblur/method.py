@@ -184,7 +184,8 @@ def prepare(view: View, params: Params) -> Prepared:
     values = layers.color
     if params.deferred:
         values = view.product(
-            f"lensblur attributes {name}", lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle)
+            f"lensblur attributes {name}",
+            lambda: gbuffer_of(view.surfaces(), view.projection(), layers.triangle, view.seen_through()),
         )
     mapped = view.ray_map() is not None
     aperture = Aperture.disc() if mapped else view.lens.aperture

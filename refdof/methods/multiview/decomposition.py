@@ -36,6 +36,7 @@ from refdof._jit import inline, kernel, prange, tile_kernel
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.raster.gpu.rasterize import rasterize
+from refdof.raster.materials.cutouts import OPAQUE, Cutouts, some_of
 
 __all__ = ["Decomposition", "Sources", "copies", "decompose", "layer_bounds"]
 
@@ -82,6 +83,7 @@ def decompose(
     overlap: float = 0.1,
     depths: tuple[float | None, float | None] = (None, None),
     texel_bytes: int = _BYTES_PER_TEXEL,
+    cutouts: Cutouts = OPAQUE,
 ) -> tuple[Decomposition, Sources]:
     """Decompose triangles into layers.
 
@@ -101,6 +103,8 @@ def decompose(
         Near and far plane [scene units], outside which nothing is drawn; None: the scene's own.
     texel_bytes : int
         What will be stored for each texel of a layer, to tell early whether it fits.
+    cutouts : Cutouts
+        Which fragments the rasteriser discards.
 
     Raises
     ------
@@ -108,12 +112,12 @@ def decompose(
         If `depths` are given and nothing lies between them, or the layers would not fit into memory.
     """
     near, far = depths
-    nearest, farthest = _depth_range(vertices, faces, camera, near, far)
+    nearest, farthest = _depth_range(vertices, faces, camera, near, far, cutouts)
     if not (nearest < np.inf and nearest <= farthest):
         return _nothing(camera, near, far, nearest, farthest)
     span = _coc(lens, np.array([nearest, farthest]), camera)
     bounds = layer_bounds(float(span[0]), float(span[1]), spacing, count)
-    sources = _draw_sources(vertices, faces, camera, lens, near, bounds, texel_bytes)
+    sources = _draw_sources(vertices, faces, camera, lens, near, bounds, texel_bytes, cutouts)
     if far is None:
         inside = sources.coc < np.inf
         np.minimum(sources.coc, bounds[-1], out=sources.coc, where=inside)  # roundings
@@ -169,10 +173,10 @@ def copies(layers: Decomposition) -> Any:
 
 
 def _depth_range(
-    vertices: Float, faces: Index, camera: Camera, near: float | None, far: float | None
+    vertices: Float, faces: Index, camera: Camera, near: float | None, far: float | None, cutouts: Cutouts
 ) -> tuple[float, float]:
     """Near and far plane; the scene's own are its nearest fragment and its farthest vertex."""
-    nearest = float(rasterize(vertices, faces, camera).depth.min()) if near is None else near
+    nearest = float(rasterize(vertices, faces, camera, cutouts=cutouts).depth.min()) if near is None else near
     if far is not None:
         return nearest, far
     farthest = float(-vertices[faces, 2].min(initial=0.0)) if len(faces) else 0.0
@@ -210,6 +214,7 @@ def _draw_sources(
     near: float | None,
     bounds: Float,
     texel_bytes: int,
+    cutouts: Cutouts,
 ) -> Sources:
     """Draw each triangle into the layer of its farthest vertex; layers without triangles are left out."""
     farthest = -vertices[faces, 2].min(axis=1)
@@ -222,7 +227,7 @@ def _draw_sources(
     sources = Sources(np.full(shape, np.inf, np.float32), np.full(shape, -1, np.int32), layers)
     for k, layer in enumerate(layers):
         chosen = ahead[home == layer]
-        drawn = rasterize(vertices, faces[chosen], camera, near=near)
+        drawn = rasterize(vertices, faces[chosen], camera, near=near, cutouts=some_of(cutouts, chosen))
         filled = drawn.triangle >= 0
         sources.coc[k][filled] = _coc(lens, drawn.depth[filled], camera)
         sources.triangle[k][filled] = chosen[drawn.triangle[filled]]

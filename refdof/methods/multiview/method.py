@@ -273,7 +273,12 @@ def _decomposition(view: View, params: Params, recorder: StageRecorder) -> Decom
 
     def build() -> tuple[Decomposition, Sources | None]:
         layers, sources = decompose(
-            *view.triangles(), view.camera, view.lens, **choice, texel_bytes=_texel_bytes(params)
+            *view.triangles(),
+            view.camera,
+            view.lens,
+            **choice,
+            texel_bytes=_texel_bytes(params),
+            cutouts=view.surfaces().cutouts,
         )
         return layers, sources if recorder.on else None  # as large as the layers, and not used again
 
@@ -310,5 +315,5 @@ def _surface(view: View, layers: Decomposition, params: Params) -> Float:
     make = gbuffer_of if params.view_dependent else colors_of
     return view.product(
         f"multiview {make.__name__} {_choice(view, params)}",
-        lambda: make(view.surfaces(), view.projection(), layers.triangle),
+        lambda: make(view.surfaces(), view.projection(), layers.triangle, view.seen_through()),
     )

@@ -6,7 +6,8 @@
 
 Fill rule: a pixel centre on an edge belongs to the triangle whose left edge it is, or whose horizontal edge of lowest
 row; with row 0 on top that is the top edge (the top-left rule). So triangles that share an edge never share a pixel
-and never miss one. Faces have two sides. The same bits come out on any number of threads.
+and never miss one. Faces have two sides. Fragments of opacity 0, by a texture read at their own barycentrics, are
+discarded. The same bits come out on any number of threads.
 """
 
 import math
@@ -33,6 +34,7 @@ from refdof.raster.gpu.depth_format import DEPTH_FORMATS, depth_code, depths_of,
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.tile_bins import TILE_PX, TileBins, bin_triangles
 from refdof.raster.gpu.tile_drawing import Raster, Triangles, draw_tile
+from refdof.raster.materials.cutouts import OPAQUE, Cutouts
 
 __all__ = ["FINEST_BITS", "NEAR", "Raster", "rasterize"]
 
@@ -51,6 +53,7 @@ def rasterize(
     precision: str | None = None,
     depth_format: str = "linear",
     previous_depth: Float | None = None,
+    cutouts: Cutouts = OPAQUE,
 ) -> Raster:
     """Draw triangles into one depth buffer; the nearest wins, and of equally near ones the first.
 
@@ -72,6 +75,8 @@ def rasterize(
         How depths are stored and compared.
     previous_depth : (H, W), or None
         Fragments that are stored as this depth or as a nearer one are rejected: depth peeling.
+    cutouts : Cutouts
+        How opaque the same triangles are; of a view: `view.surfaces().cutouts`.
 
     Returns
     -------
@@ -90,7 +95,15 @@ def rasterize(
     none on the grid.
     """
     drawing = prepare(
-        vertices, faces, camera, near=near, far=far, model=model, precision=precision, depth_format=depth_format
+        vertices,
+        faces,
+        camera,
+        near=near,
+        far=far,
+        model=model,
+        precision=precision,
+        depth_format=depth_format,
+        cutouts=cutouts,
     )
     return draw(drawing, previous_depth)
 
@@ -117,6 +130,7 @@ def prepare(
     model: GpuModel = EXACT,
     precision: str | None = None,
     depth_format: str = "linear",
+    cutouts: Cutouts = OPAQUE,
 ) -> Drawing:
     """Clip, project and snap triangles and sort them into tiles. Arguments and errors: `rasterize`."""
     as_instance("camera", camera, Camera)
@@ -125,6 +139,9 @@ def prepare(
     bound = LARGEST_LENGTH
     vertices = as_float("vertices", vertices, (None, 3), dtype=np.float64, minimum=-bound, maximum=bound)
     faces = as_index("faces", faces, (None, 3), end=len(vertices))
+    as_instance("cutouts", cutouts, Cutouts)
+    if len(cutouts.material) not in (0, len(faces)):
+        raise InputError(f"cutouts: got {len(cutouts.material)} triangles; allowed are {len(faces)}, those of `faces`")
     largest = float(np.abs(vertices).max(initial=0.0)) or 1.0
     near = NEAR * largest if near is None else as_number("near", near, above=0.0)
     far = as_number("far", far, above=0.0, finite=False)
@@ -149,7 +166,7 @@ def prepare(
     across = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) * scale
     up = (0.5 * camera.height - np.arange(camera.height) - 0.5) * scale
     code, across, up = depth_code(depth_format, near, far), across.astype(kind), up.astype(kind)
-    triangles = Triangles(vertices.astype(kind, copy=False), faces, clipped, bits, near, far, code, across, up)
+    triangles = Triangles(vertices.astype(kind, copy=False), faces, clipped, bits, near, far, code, across, up, cutouts)
     return Drawing(triangles, bins, exponent, kind if depth_format == "linear" else np.dtype(np.float64))
 
 

@@ -2,7 +2,8 @@
 
 1. cover the tile's pixel centres, row by row     `draw_tile`, edge functions [1]
 2. depth and barycentrics of the triangle's plane `_plane`, homogeneous [2]
-3. store depth, keep the nearest                  `_keep_run`, `refdof.raster.gpu.depth_format`
+3. discard what is a hole                         `_keep_solid`, `refdof.raster.materials.cutouts`
+4. store depth, keep the nearest                  `_keep_run`, `refdof.raster.gpu.depth_format`
 
 References
 ----------
@@ -19,6 +20,7 @@ from refdof._jit import borrow, inline, tile_kernel
 from refdof.raster.gpu.clip import ClippedTriangles
 from refdof.raster.gpu.depth_format import DepthCode, key_of
 from refdof.raster.gpu.tile_bins import TILE_PX
+from refdof.raster.materials.cutouts import Cutouts, borrow_cutouts, opacity_at
 
 __all__ = ["Raster", "Triangles", "draw_tile"]
 
@@ -40,7 +42,7 @@ class Triangles(NamedTuple):
     """What is drawn, and how, in one unit of length.
 
     vertices (V, 3), of the type of the precision; bits: of the sub-pixel grid; near, far: planes; across (W,) and
-    up (H,): tangents of the rays through pixel centres.
+    up (H,): tangents of the rays through pixel centres; cutouts: what is discarded.
     """
 
     vertices: Float
@@ -52,6 +54,7 @@ class Triangles(NamedTuple):
     code: DepthCode
     across: Float
     up: Float
+    cutouts: Cutouts
 
 
 @tile_kernel
@@ -65,7 +68,7 @@ def draw_tile(triangles, previous, chosen, row, column, raster):
     across, up, previous = borrow(triangles.across), borrow(triangles.up), borrow(previous)
     depth, triangle, barycentric = borrow(raster.depth), borrow(raster.triangle), borrow(raster.barycentric)
     room = np.empty(11, dtype=vertices.dtype)
-    plane = borrow(room)
+    plane, cutouts = borrow(room), borrow_cutouts(triangles.cutouts)
     for n in chosen:
         box, corner, face = boxes[n], corners[n], numbers[n]
         first_x, last_x = max(box[0], column * TILE_PX), min(box[1], (column + 1) * TILE_PX - 1)
@@ -90,7 +93,11 @@ def draw_tile(triangles, previous, chosen, row, column, raster):
                 ready = True
             run = slice(begin, begin + count)
             pixels = Raster(depth[y, run], triangle[y, run], barycentric[y, run])
-            _keep_run(plane, across[run], up[y], face, triangles.far, triangles.code, previous[y, run], pixels)
+            behind, far, code = previous[y, run], triangles.far, triangles.code
+            if len(cutouts.material) > 0 and cutouts.material[face] >= 0:
+                _keep_solid(cutouts, plane, across[run], up[y], face, far, code, behind, pixels)
+            else:
+                _keep_run(plane, across[run], up[y], face, far, code, behind, pixels)
 
 
 @inline
@@ -145,3 +152,16 @@ def _keep_run(plane, across, up, face, far, code, previous, pixels):
             pixels.depth[i], pixels.triangle[i] = key, face
             pixels.barycentric[i, 0] = (plane[3] * across[i] + plane[4] * up - plane[5]) * depth
             pixels.barycentric[i, 1] = (plane[6] * across[i] + plane[7] * up - plane[8]) * depth
+
+
+@inline
+def _keep_solid(cutouts, plane, across, up, face, far, code, previous, pixels):
+    """`_keep_run` of one fragment after the other, for a triangle with holes."""
+    for i in range(len(across)):
+        nearness = min(max(plane[0] * across[i] + plane[1] * up - plane[2], plane[9]), plane[10])
+        u = (plane[3] * across[i] + plane[4] * up - plane[5]) / nearness
+        v = (plane[6] * across[i] + plane[7] * up - plane[8]) / nearness
+        if opacity_at(cutouts, face, u, v) > 0.0:
+            one = slice(i, i + 1)
+            pixel = Raster(pixels.depth[one], pixels.triangle[one], pixels.barycentric[one])
+            _keep_run(plane, across[one], up, face, far, code, previous[one], pixel)

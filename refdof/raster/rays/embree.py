@@ -23,7 +23,9 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof._jit import callback, load_int32, store_int32, thread_count
+from refdof._jit import thread_count
+from refdof.raster.rays.ray_filters import collect, hole_words, let_through
+from refdof.raster.rays.surfaces import Surfaces
 
 __all__ = [
     "LANES",
@@ -96,14 +98,19 @@ class Collector(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tracer:
-    """Addresses that kernels need: the scene, and Embree's closest-hit functions for packets and single rays."""
+    """Addresses that kernels need: the scene, and Embree's closest-hit functions for packets and single rays.
+
+    holes: what `let_through` reads, None for an opaque scene; `surfaces` keeps that memory.
+    """
 
     scene: int
     packet: int
     single: int
+    holes: Index | None = None
+    surfaces: Surfaces | None = None
 
 
-def new_tracer(vertices: Float, faces: Index) -> Tracer:
+def new_tracer(vertices: Float, faces: Index, surfaces: Surfaces | None = None) -> Tracer:
     """Build the acceleration structure over triangles.
 
     Parameters
@@ -111,6 +118,8 @@ def new_tracer(vertices: Float, faces: Index) -> Tracer:
     vertices : (V, 3) float
         Near the origin and at moderate scale: Embree works in float32.
     faces : (F, 3) int
+    surfaces : Surfaces, or None
+        The same triangles, for packets that pass through their holes; None: there are none.
     """
     library = _library()
     device = library.rtcNewDevice(f"threads={thread_count()},{_TREE}".encode())
@@ -132,7 +141,8 @@ def new_tracer(vertices: Float, faces: Index) -> Tracer:
     if error:
         raise RuntimeError(f"Embree could not build the scene: error {error}")
     addresses = (_address(getattr(library, f"rtcIntersect{LANES}")), _address(library.rtcIntersect1))
-    tracer = Tracer(scene, *addresses)
+    holes = None if surfaces is None or not len(surfaces.cutouts.material) else hole_words(surfaces)
+    tracer = Tracer(scene, *addresses, holes, surfaces)
     weakref.finalize(tracer, _release, library, scene, device)
     return tracer
 
@@ -142,12 +152,18 @@ def new_packets(count: int) -> Float:
     return _aligned(count * ROWS * LANES * 4).view(np.float32).reshape(count, ROWS, LANES)
 
 
-def new_query(coherent: bool) -> Index:
-    """(32,) int32: valid lanes, room for 16, then RTCIntersectArguments, which ask for coherent traversal or not."""
+def new_query(tracer: Tracer, coherent: bool) -> Index:
+    """(32,) int32: valid lanes, room for 16, then RTCIntersectArguments, which ask for coherent traversal or not.
+
+    Rays pass through the tracer's holes.
+    """
     query = _aligned(128).view(np.int32)
     query[:16] = -1
     query[16] = _COHERENT if coherent else 0
     query[17] = -1  # every feature
+    if tracer.holes is not None:
+        query[16] |= _INVOKE_FILTER
+        query[18:22] = np.array([tracer.holes.ctypes.data, let_through.address], dtype=np.int64).view(np.int32)
     return query
 
 
@@ -202,22 +218,6 @@ def _release(library: ctypes.CDLL, scene: int, device: int) -> None:
     library.rtcReleaseDevice(device)
 
 
-@callback
-def _collect(arguments):
-    """Embree's filter: note the triangle behind the query context and let the ray go on.
-
-    arguments: valid, user, context, ray, hit (five pointers). The context is followed by our own fields:
-    capacity, count, then `capacity` triangle ids.
-    """
-    valid, context, hit = arguments[0], arguments[2], arguments[4]
-    capacity = load_int32(context + 8)
-    count = load_int32(context + 12)
-    if count < capacity:
-        store_int32(context + 16 + 4 * count, load_int32(hit + 20))
-    store_int32(context + 12, count + 1)
-    store_int32(valid, 0)
-
-
 def new_collector(room: int) -> Collector:
     """Memory for one ray and up to `room` triangles along it; more are counted but not kept."""
     ray = _aligned(96).view(np.float32)
@@ -228,7 +228,7 @@ def new_collector(room: int) -> Collector:
     arguments[0] = _INVOKE_FILTER
     arguments[1] = -1
     arguments[2:4] = np.array([context.ctypes.data], dtype=np.int64).view(np.int32)
-    arguments[4:6] = np.array([_collect.address], dtype=np.int64).view(np.int32)
+    arguments[4:6] = np.array([collect.address], dtype=np.int64).view(np.int32)
     return Collector(ray, ray.view(np.int32), context, arguments, room, ray.ctypes.data, arguments.ctypes.data)
 
 

@@ -6,6 +6,9 @@ ray at the same depth, have one stated order. A ray through an edge or a corner 
 meets that surface once: the lowest triangle id is kept. At a silhouette, front and back meet the ray in one point and
 both count.
 
+A hole is no surface. A transparent surface is one, whose colour is what its pixel's ray sees through it: its own over
+the next one's, by its opacity, and so on up to the first opaque one or the background [1].
+
 With an umbra step, only the surfaces that the lens can see past the one before are kept, as `refdof.raster.rays.umbra`
 has it: what is dropped is never stored.
 
@@ -22,9 +25,10 @@ import numpy as np
 from refdof._check import Float, Index, as_integer
 from refdof._jit import call_address, inline, run_tasks, tile_kernel
 from refdof.optics.projection import Projection, pixel_ray
+from refdof.raster.materials.cutouts import opacity_at
 from refdof.raster.rays.embree import Tracer, new_collector
 from refdof.raster.rays.shading import shade, shading_normal
-from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, intersect
+from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces, cutouts_in, intersect
 from refdof.raster.rays.umbra import reach_beyond
 
 __all__ = ["Layers", "count_surfaces", "exact_layers"]
@@ -120,6 +124,8 @@ def _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory,
     capacity = memory.room
     triangle = np.empty(capacity, dtype=np.int32)
     depth = np.empty(capacity)
+    place = np.arange(capacity)
+    seen = np.empty((capacity if surfaces.blends else 0, 3))
     unit = 2.0**surfaces.exponent
     most = 0
     for y in range(first, last):
@@ -131,20 +137,25 @@ def _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory,
             kept = 0
             for k in range(found):
                 face = memory.context[4 + k]
-                t, _, _ = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
-                if t > 0.0 and t < np.inf:
+                t, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+                if t > 0.0 and t < np.inf and opacity_at(cutouts_in(surfaces), face, u, v) > 0.0:
                     kept = _insert(depth, triangle, kept, t, face)
             most = max(most, memory.context[3])
             kept = _once_per_surface(surfaces.corner, depth, triangle, kept, dx, dy)
+            if surfaces.blends:
+                _see_through(surfaces, triangle, kept, dx, dy, seen)
             if umbra_step > 0.0:
-                kept = _drop_hidden(depth, triangle, kept, umbra_step)
+                kept = _drop_hidden(depth, triangle, place, kept, umbra_step)
             counts[y, x] = kept
             for k in range(min(kept, len(layers.depth))):
                 face = triangle[k]
                 _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
                 layers.depth[k, y, x] = depth[k] * unit
                 layers.triangle[k, y, x] = face
-                red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
+                if surfaces.blends:
+                    red, green, blue = seen[place[k], 0], seen[place[k], 1], seen[place[k], 2]
+                else:
+                    red, green, blue = shade(surfaces, face, u, v, dx, dy, -1.0)
                 layers.color[k, y, x, 0], layers.color[k, y, x, 1], layers.color[k, y, x, 2] = (
                     red,
                     green,
@@ -202,14 +213,31 @@ def _once_per_surface(corner, depth, triangle, count, dx, dy):
 
 
 @inline
-def _drop_hidden(depth, triangle, count, umbra_step):
-    """Drop surfaces in the umbra of the kept one before; returns the new count."""
+def _see_through(surfaces, triangle, count, dx, dy, seen):
+    """Write the colour of each surface and of what shows through it to seen (count, 3), from back to front."""
+    red, green, blue = surfaces.light[5, 0], surfaces.light[5, 1], surfaces.light[5, 2]
+    for k in range(count - 1, -1, -1):
+        face = triangle[k]
+        _, u, v = intersect(surfaces.corner, face, 0.0, 0.0, 0.0, dx, dy, -1.0)
+        opacity = opacity_at(cutouts_in(surfaces), face, u, v)
+        r, g, b = shade(surfaces, face, u, v, dx, dy, -1.0)
+        if opacity == 1.0:  # to the bit, as in an opaque scene
+            red, green, blue = r, g, b
+        else:
+            rest = 1.0 - opacity
+            red, green, blue = opacity * r + rest * red, opacity * g + rest * green, opacity * b + rest * blue
+        seen[k, 0], seen[k, 1], seen[k, 2] = red, green, blue
+
+
+@inline
+def _drop_hidden(depth, triangle, place, count, umbra_step):
+    """Drop surfaces in the umbra of the kept one before and note where the others were; returns the new count."""
     kept, reach = 0, np.inf
     for k in range(count):
         nearness = 1.0 / depth[k]
         if nearness > 0.0 and nearness < reach:
             reach = reach_beyond(nearness, umbra_step)
-            depth[kept], triangle[kept] = depth[k], triangle[k]
+            depth[kept], triangle[kept], place[kept] = depth[k], triangle[k], k
             kept += 1
     return kept
 

@@ -16,8 +16,9 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import inline, kernel, prange
 from refdof.optics.projection import Projection
-from refdof.raster.rays.layer_color import pinhole_hit
-from refdof.raster.rays.shading import lit, shading_normal, surface_color
+from refdof.raster.rays.exact_layers import Layers
+from refdof.raster.rays.layer_color import pinhole_hit, show_through
+from refdof.raster.rays.shading import emitted, lit, shading_normal, surface_color
 from refdof.raster.rays.surfaces import Surfaces, borrow_surfaces
 from refdof.scene.material import SHADINGS
 
@@ -29,7 +30,7 @@ _ALBEDO, _EMISSION, _NORMAL, _SPECULAR, _SHININESS = 0, 3, 6, 9, 12
 _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 
 
-def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> Float:
+def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index, seen: Layers | None = None) -> Float:
     """Attributes of triangles at the pixel centres.
 
     Parameters
@@ -37,6 +38,8 @@ def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> F
     surfaces, shot
     triangle : (N, H, W) int32
         The triangle that the ray of each pixel meets; -1 is empty.
+    seen : Layers
+        As in `refdof.raster.rays.layer_color.colors_of`; what is transparent gives off the light that it has there.
 
     Returns
     -------
@@ -45,6 +48,12 @@ def gbuffer_of(surfaces: Surfaces, projection: Projection, triangle: Index) -> F
     """
     out = np.zeros((*triangle.shape, GBUFFER_CHANNELS), dtype=np.float32)
     _fill(surfaces, projection, triangle, out)
+    if seen is not None:
+        colors = np.zeros((*triangle.shape, 3), dtype=np.float32)
+        shown = show_through(surfaces, seen, triangle, colors)
+        out[shown, _ALBEDO : _ALBEDO + 3] = 0.0
+        out[shown, _EMISSION : _EMISSION + 3] = colors[shown]
+        out[shown, _SPECULAR : _SPECULAR + 3] = 0.0
     return out
 
 
@@ -64,8 +73,11 @@ def _fill(surfaces, projection, triangle, out):
                 color = _EMISSION if borrowed.shading[material] == _UNLIT else _ALBEDO
                 a[color], a[color + 1], a[color + 2] = surface_color(borrowed, face, w, u, v)
                 a[_NORMAL], a[_NORMAL + 1], a[_NORMAL + 2] = shading_normal(borrowed, face, w, u, v, dx, dy, -1.0)
+                red, green, blue = emitted(borrowed, face, w, u, v)
+                a[_EMISSION] += red
+                a[_EMISSION + 1] += green
+                a[_EMISSION + 2] += blue
                 for c in range(3):
-                    a[_EMISSION + c] += borrowed.emission[material, c]
                     if borrowed.shading[material] == _PHONG:
                         a[_SPECULAR + c] = borrowed.specular[material, c]
                 a[_SHININESS] = borrowed.shininess[material]

@@ -8,13 +8,12 @@ References
 
 import math
 
-import numpy as np
-
 from refdof._jit import inline
 from refdof.image.bilinear import bilinear
+from refdof.raster.materials.texel import texel_weights
 from refdof.scene.material import SHADINGS
 
-__all__ = ["lit", "shade", "shading_normal", "surface_color"]
+__all__ = ["emitted", "lit", "shade", "shading_normal", "surface_color"]
 
 _UNLIT, _PHONG = SHADINGS.index("unlit"), SHADINGS.index("phong")
 
@@ -31,8 +30,8 @@ def shade(surfaces, face, u, v, dx, dy, dz):
         if surfaces.shading[material] == _PHONG:
             sr, sg, sb = surfaces.specular[material, 0], surfaces.specular[material, 1], surfaces.specular[material, 2]
         red, green, blue = lit(surfaces, (nx, ny, nz), (dx, dy, dz), (red, green, blue), (sr, sg, sb), shininess)
-    emission = surfaces.emission
-    return red + emission[material, 0], green + emission[material, 1], blue + emission[material, 2]
+    er, eg, eb = emitted(surfaces, face, w, u, v)
+    return red + er, green + eg, blue + eb
 
 
 @inline
@@ -43,9 +42,18 @@ def surface_color(surfaces, face, w, u, v):
     green = surfaces.base_color[material, 1] * (w * a[face, 1] + u * a[face, 4] + v * a[face, 7])
     blue = surfaces.base_color[material, 2] * (w * a[face, 2] + u * a[face, 5] + v * a[face, 8])
     if surfaces.texture[material, 1] > 0:
-        s = w * a[face, 9] + u * a[face, 11] + v * a[face, 13]
-        t = w * a[face, 10] + u * a[face, 12] + v * a[face, 14]
-        tr, tg, tb = _texel(surfaces.texels, surfaces.texture[material], s, t)
+        tr, tg, tb = _texel(surfaces, surfaces.texture[material], face, w, u, v)
+        red, green, blue = red * tr, green * tg, blue * tb
+    return red, green, blue
+
+
+@inline
+def emitted(surfaces, face, w, u, v):
+    """Emission at barycentrics (w, u, v): the material's times its texture."""
+    material = surfaces.face_material[face]
+    red, green, blue = surfaces.emission[material, 0], surfaces.emission[material, 1], surfaces.emission[material, 2]
+    if surfaces.emission_texture[material, 1] > 0:
+        tr, tg, tb = _texel(surfaces, surfaces.emission_texture[material], face, w, u, v)
         red, green, blue = red * tr, green * tg, blue * tb
     return red, green, blue
 
@@ -135,26 +143,14 @@ def _inside(place, last):
 
 
 @inline
-def _repeated(place):
-    """The part behind the point, 0 .. 1: of floats, since whole numbers of 64 bits do not hold every coordinate."""
-    part = place - np.floor(place)
-    return part if part > 0.0 else 0.0
-
-
-@inline
-def _texel(texels, texture, s, t):
-    """Bilinear, repeated lookup; (0, 0) is the lower left corner, row 0 the top row."""
-    first, width, height = texture[0], texture[1], texture[2]
-    fx = _repeated(s) * width - 0.5
-    fy = (1.0 - _repeated(t)) * height - 0.5
-    i, j = math.floor(fx), math.floor(fy)  # -1 .. size - 1
-    a, b = fx - i, fy - j
-    x0, y0 = (i if i >= 0 else width - 1), (j if j >= 0 else height - 1)
-    x1, y1 = (i + 1 if i + 1 < width else 0), (j + 1 if j + 1 < height else 0)
-    p, q = first + y0 * width + x0, first + y0 * width + x1
-    r, o = first + y1 * width + x0, first + y1 * width + x1
+def _texel(surfaces, texture, face, w, u, v):
+    """Bilinear lookup of a texture at barycentrics (w, u, v)."""
+    a, texels = surfaces.attribute, surfaces.texels
+    s = w * a[face, 9] + u * a[face, 11] + v * a[face, 13]
+    t = w * a[face, 10] + u * a[face, 12] + v * a[face, 14]
+    p, q, r, o, right, down = texel_weights(texture, s, t)
     return (
-        bilinear(texels[p, 0], texels[q, 0], texels[r, 0], texels[o, 0], a, b),
-        bilinear(texels[p, 1], texels[q, 1], texels[r, 1], texels[o, 1], a, b),
-        bilinear(texels[p, 2], texels[q, 2], texels[r, 2], texels[o, 2], a, b),
+        bilinear(texels[p, 0], texels[q, 0], texels[r, 0], texels[o, 0], right, down),
+        bilinear(texels[p, 1], texels[q, 1], texels[r, 1], texels[o, 1], right, down),
+        bilinear(texels[p, 2], texels[q, 2], texels[r, 2], texels[o, 2], right, down),
     )

@@ -14,10 +14,11 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline
 from refdof.optics.camera import Camera
+from refdof.raster.materials.cutouts import Cutouts, cutouts_of, pack_textures
 from refdof.scene.material import SHADINGS
 from refdof.scene.scene import Scene
 
-__all__ = ["Surfaces", "borrow_surfaces", "intersect", "surfaces_of"]
+__all__ = ["Surfaces", "borrow_surfaces", "cutouts_in", "intersect", "surfaces_of"]
 
 
 class Surfaces(NamedTuple):
@@ -35,12 +36,23 @@ class Surfaces(NamedTuple):
     emission: Float  # (K, 3)
     specular: Float  # (K, 3)
     shininess: Float  # (K,)
-    texture: Index  # (K, 3): first texel, width, height; width 0: none
+    texture: Index  # (K, 5): `refdof.raster.materials.texel`
+    emission_texture: Index  # (K, 5)
     texels: Float  # (T, 3) float32, linear RGB
     light: Float  # (6, 3): sun direction (camera space), sun, sky, ground, up (camera space), background
     environment: Float  # (n, n, 3) float32, octahedral; n = 0: the dome
     world_from_camera: Float  # (3, 3)
+    cut_material: Index  # the fields of `Cutouts`, which parallel kernels do not take as a tuple within a tuple
+    cut_corner: Float
+    cut_table: Float
+    cut_texels: Float
+    blends: bool
     exponent: int
+
+    @property
+    def cutouts(self) -> Cutouts:
+        """How opaque the triangles are; `cutouts_in` for kernels."""
+        return Cutouts(self.cut_material, self.cut_corner, self.cut_table, self.cut_texels, self.blends)
 
 
 def surfaces_of(scene: Scene, camera: Camera) -> Surfaces:
@@ -60,8 +72,10 @@ def surfaces_of(scene: Scene, camera: Camera) -> Surfaces:
         ],
         axis=1,
     )
-    texture, texels = _pack_textures(scene)
     materials, light = scene.materials, scene.light
+    textures, texels = pack_textures(
+        [*(m.texture for m in materials), *(m.emission_texture for m in materials)], [*materials, *materials]
+    )
     environment = light.environment
     return Surfaces(
         np.ascontiguousarray(points[faces].reshape(-1, 9)),
@@ -72,7 +86,8 @@ def surfaces_of(scene: Scene, camera: Camera) -> Surfaces:
         np.array([m.emission for m in materials]).reshape(-1, 3),
         np.array([m.specular for m in materials]).reshape(-1, 3),
         np.array([m.shininess for m in materials]),
-        texture,
+        textures[: len(materials)],
+        textures[len(materials) :],
         texels,
         np.array(
             [
@@ -86,25 +101,9 @@ def surfaces_of(scene: Scene, camera: Camera) -> Surfaces:
         ),
         np.zeros((0, 0, 3), dtype=np.float32) if environment is None else environment,
         np.ascontiguousarray(rotation.T),
+        *cutouts_of(scene),
         exponent,
     )
-
-
-def _pack_textures(scene: Scene) -> tuple[Index, Float]:
-    """One flat list of texels; a texture shared by materials is stored once."""
-    first: dict[int, int] = {}
-    blocks, total = [np.zeros((0, 3), dtype=np.float32)], 0
-    table = np.zeros((len(scene.materials), 3), dtype=np.int64)
-    for k, material in enumerate(scene.materials):
-        texture = material.texture
-        if texture is None:
-            continue
-        if id(texture) not in first:
-            first[id(texture)] = total
-            blocks.append(np.asarray(texture, dtype=np.float32).reshape(-1, 3))
-            total += len(blocks[-1])
-        table[k] = first[id(texture)], texture.shape[1], texture.shape[0]
-    return table, np.concatenate(blocks)
 
 
 @inline
@@ -120,12 +119,24 @@ def borrow_surfaces(s):
         borrow(s.specular),
         borrow(s.shininess),
         borrow(s.texture),
+        borrow(s.emission_texture),
         borrow(s.texels),
         borrow(s.light),
         borrow(s.environment),
         borrow(s.world_from_camera),
+        borrow(s.cut_material),
+        borrow(s.cut_corner),
+        borrow(s.cut_table),
+        borrow(s.cut_texels),
+        s.blends,
         s.exponent,
     )
+
+
+@inline
+def cutouts_in(s):
+    """The `Cutouts` of `Surfaces`, for kernels."""
+    return Cutouts(s.cut_material, s.cut_corner, s.cut_table, s.cut_texels, s.blends)
 
 
 @inline

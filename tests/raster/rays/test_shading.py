@@ -29,6 +29,8 @@ MATERIALS = [
     Material("phong", (0.6, 0.5, 0.3), TEXTURE, specular=(0.4, 0.3, 0.5), shininess=5.0, emission=(0.0, 0.2, 0.1)),
     Material("lambert", (0.2, 0.8, 0.4), specular=(0.4, 0.3, 0.5)),  # specular is used by phong only
     Material("unlit", (0.5, 0.7, 0.9), TEXTURE, emission=(0.1, 0.0, 0.3)),
+    Material("lambert", (0.5, 0.7, 0.9), TEXTURE, (0.1, 2.0, 0.3), emission_texture=PAINTED, wrap=("mirror", "clamp")),
+    Material("unlit", (0.5, 0.7, 0.9), PAINTED, wrap=("clamp", "mirror")),
 ]
 
 
@@ -37,10 +39,12 @@ def tents(place, count):
     return np.maximum(0.0, 1.0 - np.abs(place - np.arange(count)))
 
 
-def texel(image, s, t):
-    """An endless wall of copies of the image, seen at (s, t), t up."""
+def texel(image, s, t, wrap=("repeat", "repeat")):
+    """An endless wall of copies of the image, of mirrored copies, or of its rim, seen at (s, t), t up."""
     height, width = image.shape[:2]
-    wall = np.tile(image, (7, 7, 1)).astype(float)  # three copies to each side
+    modes = [{"repeat": "wrap", "mirror": "symmetric", "clamp": "edge"}[word] for word in wrap]
+    wall = np.pad(image.astype(float), ((3 * height,) * 2, (0, 0), (0, 0)), modes[1])  # three copies to each side
+    wall = np.pad(wall, ((0, 0), (3 * width,) * 2, (0, 0)), modes[0])
     across, down = tents((s + 3.0) * width - 0.5, 7 * width), tents((4.0 - t) * height - 0.5, 7 * height)
     return np.einsum("y,x,yxc->c", down, across, wall)
 
@@ -62,9 +66,12 @@ def expected(part, light, u, v, direction):
     weights, material = np.array([1.0 - u - v, u, v]), part.material
     albedo = np.array(material.base_color) * (weights @ part.color)
     if material.texture is not None:
-        albedo = albedo * texel(material.texture, *(weights @ part.uv))
+        albedo = albedo * texel(material.texture, *(weights @ part.uv), material.wrap)
+    emission = np.array(material.emission)
+    if material.emission_texture is not None:
+        emission = emission * texel(material.emission_texture, *(weights @ part.uv), material.wrap)
     if material.shading == "unlit":
-        return albedo + material.emission
+        return albedo + emission
     direction = direction / np.linalg.norm(direction)
     a, b, c = part.vertices
     flat = np.cross(b - a, c - a)
@@ -74,7 +81,7 @@ def expected(part, light, u, v, direction):
     sun, ground, sky = np.array(light.sun), np.array(light.ground), np.array(light.sky)
     to_sun = np.array(light.sun_direction)
     light_in = sun * max(0.0, normal @ to_sun) + ground + (sky - ground) * (1.0 + normal[1]) / 2.0
-    color = albedo * light_in + material.emission
+    color = albedo * light_in + emission
     if material.shading == "phong":
         mirrored = direction - 2.0 * (direction @ normal) * normal
         lobe = max(0.0, mirrored @ to_sun) ** material.shininess
@@ -124,7 +131,7 @@ def test_a_shared_texture_is_stored_once():
     textures = [TEXTURE, None, other, TEXTURE]
     parts = [Part(np.eye(3) + k, [[0, 1, 2]], Material(texture=texture)) for k, texture in enumerate(textures)]
     surfaces = surfaces_of(Scene.from_parts("textures", parts, CAMERA, ThinLens(0.1, 2.0)), CAMERA)
-    assert_array_equal(surfaces.texture, [[0, 4, 3], [0, 0, 0], [12, 5, 2], [0, 4, 3]])
+    assert_array_equal(surfaces.texture, [[0, 4, 3, 0, 0], [0, 0, 0, 0, 0], [12, 5, 2, 0, 0], [0, 4, 3, 0, 0]])
     assert_array_equal(surfaces.texels, np.concatenate([TEXTURE.reshape(-1, 3), other.reshape(-1, 3)]))
 
 
@@ -133,5 +140,5 @@ def test_a_third_texture_starts_behind_the_second():
     textures = [np.full((*size, 3), k / 4, dtype=np.float32) for k, size in enumerate(sizes)]
     parts = [Part(np.eye(3) + k, [[0, 1, 2]], Material(texture=texture)) for k, texture in enumerate(textures)]
     surfaces = surfaces_of(Scene.from_parts("textures", parts, CAMERA, ThinLens(0.1, 2.0)), CAMERA)
-    assert_array_equal(surfaces.texture, [[0, 2, 1], [2, 1, 3], [5, 2, 2]])
+    assert_array_equal(surfaces.texture[:, :3], [[0, 2, 1], [2, 1, 3], [5, 2, 2]])
     assert_array_equal(surfaces.texels[:, 0], [0.0] * 2 + [0.25] * 3 + [0.5] * 4)

@@ -1,0 +1,1 @@
+"""Materials as rays and rasteriser read them: texels, and how opaque a surface is."""
