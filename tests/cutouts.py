@@ -45,16 +45,18 @@ def solid_quads(opacity, cutoff, wrap, low, high):
     """Quadrilaterals (N, 4, 2) in (u, v) that tile the part of the box low .. high where the opacity is >= cutoff."""
     height, width = opacity.shape
     quads = []
-    columns = cuts(low[0], high[0], width)
-    rows = cuts(low[1], high[1], height)
-    for u0, u1 in pairwise(columns):
-        sides = np.linspace(u0, u1, STRIPS + 1)
-        for v0, v1 in pairwise(rows):
-            ends = np.array(
-                [[inside(opacity, u, v, wrap, (u0 + u1) / 2, (v0 + v1) / 2) for u in sides] for v in (v0, v1)]
-            )
-            for k in range(STRIPS):
-                quads += strip(sides[k : k + 2], (v0, v1), ends[:, k : k + 2] - cutoff)
+    for u in pairwise(cuts(low[0], high[0], width)):
+        for v in pairwise(cuts(low[1], high[1], height)):
+            middle = np.mean(u), np.mean(v)
+            corner = np.array([[inside(opacity, x, y, wrap, *middle) for x in u] for y in v]) - cutoff
+            step = corner[:, 1] - corner[:, 0]
+            # Where the rim leaves the cell through an end, which is a line in u, a strip ends.
+            leaves = [-corner[k, 0] / step[k] for k in range(2) if corner[k, 0] * corner[k, 1] < 0.0]
+            sides = np.unique([*np.linspace(0.0, 1.0, STRIPS + 1), *leaves])
+            over = corner[:, :1] + step[:, None] * sides
+            over[np.abs(over) < 1e-12] = 0.0  # at a rim that leaves
+            for k in range(len(sides) - 1):
+                quads += strip(u[0] + (u[1] - u[0]) * sides[k : k + 2], v, over[:, k : k + 2])
     return np.array(quads).reshape(-1, 4, 2)
 
 
@@ -71,25 +73,21 @@ def inside(image, u, v, wrap, near_u, near_v):
 
 def strip(u, v, over):
     """The quadrilaterals of a strip where `over` (2 ends in v, 2 sides in u) is not negative; linear along v."""
+    if (over <= 0.0).all():
+        return []
     spans = []
-    for side in range(2):
-        begin, end = over[0, side], over[1, side]
-        if begin < 0 and end < 0:
-            spans.append((0.0, 0.0) if begin > end else (1.0, 1.0))
-        elif begin >= 0 and end >= 0:
+    for begin, end in over.T:
+        cut = begin / (begin - end) if begin * end < 0.0 else 0.0
+        if begin * end < 0.0:
+            spans.append((0.0, cut) if begin > 0.0 else (cut, 1.0))
+        elif begin >= 0.0 and end >= 0.0:
             spans.append((0.0, 1.0))
-        else:
-            cut = begin / (begin - end)
-            spans.append((0.0, cut) if begin >= 0 else (cut, 1.0))
+        else:  # the rim leaves here, and at most a point is solid
+            spans.append((0.0, 0.0) if begin > end else (1.0, 1.0))
     height = v[1] - v[0]
     (a, b), (c, d) = spans
-    corners = [
-        (u[0], v[0] + a * height),
-        (u[1], v[0] + c * height),
-        (u[1], v[0] + d * height),
-        (u[0], v[0] + b * height),
-    ]
-    return [] if b - a + d - c <= 0.0 else [corners]
+    low, high = v[0] + height * np.array([a, c]), v[0] + height * np.array([b, d])
+    return [[(u[0], low[0]), (u[1], low[1]), (u[1], high[1]), (u[0], high[0])]]
 
 
 def cut_card(box, depth, uv, material, opacity=None):

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index
+from refdof._check import Float
 from refdof._jit import borrow, call_address, fetch_row, inline, tile_kernel
 from refdof.optics.aperture import concentric_disc
 from refdof.optics.aperture_sampling import ApertureSampler, borrow_aperture_sampler, is_plain_disc, lens_point
@@ -32,7 +32,7 @@ from refdof.raster.rays.embree import LANES, ROWS, Row
 from refdof.raster.rays.shading import shade
 from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 
-__all__ = ["Aim", "Traversal", "tile_order", "trace_block"]
+__all__ = ["Aim", "Traversal", "trace_block"]
 
 _UNIT = 2.0**-32
 _FINE = 16  # so many times as many cells as share a packet: fewer are too far apart
@@ -66,13 +66,6 @@ class Traversal(NamedTuple):
     packet: int
     query: Any
     packets: Float
-
-
-def tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
-    """Pixels (N, 2) of a tile in blocks of 4 x 4, so that a packet of 16 is a small square."""
-    y, x = np.mgrid[y0:y1, x0:x1]
-    order = np.lexsort((x.ravel(), y.ravel(), x.ravel() // 4, y.ravel() // 4))
-    return np.stack([x.ravel()[order], y.ravel()[order]], axis=1).astype(np.int64)
 
 
 @tile_kernel

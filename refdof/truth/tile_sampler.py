@@ -16,7 +16,7 @@ from refdof.optics.systems.spectrum import add_wave, channel_weights
 from refdof.raster.rays.embree import new_packets, new_query
 from refdof.truth.emitters import first_samples
 from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
-from refdof.truth.lens_rays import Aim, Traversal, tile_order, trace_block
+from refdof.truth.lens_rays import Aim, Traversal, trace_block
 from refdof.view import View
 
 __all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "power_of_two"]
@@ -75,7 +75,7 @@ class TileSampler:
     def tile(self, corner: tuple[int, int], refine: bool = True) -> TileEstimate:
         """Sample a tile: the first look, and with a tolerance and `refine` the doublings that it asks for."""
         x, y = corner
-        pixels = tile_order(x, y, min(x + _TILE, self.width), min(y + _TILE, self.height))
+        pixels = _tile_order(x, y, min(x + _TILE, self.width), min(y + _TILE, self.height))
         rows, columns = pixels[:, 1], pixels[:, 0]
         sums, spent = np.zeros((self.replicates, len(pixels), 3)), self._first[rows, columns]
         for count in np.unique(spent):
@@ -114,3 +114,10 @@ class TileSampler:
 def power_of_two(count: Any) -> Any:
     """The smallest power of two that is not below `count`, at least 1."""
     return np.exp2(np.ceil(np.log2(np.maximum(count, 1)))).astype(np.int64)
+
+
+def _tile_order(x0: int, y0: int, x1: int, y1: int) -> Index:
+    """Pixels (N, 2) of a tile in blocks of 4 x 4, so that a packet of 16 is a small square."""
+    y, x = np.mgrid[y0:y1, x0:x1]
+    order = np.lexsort((x.ravel(), y.ravel(), x.ravel() // 4, y.ravel() // 4))
+    return np.stack([x.ravel()[order], y.ravel()[order]], axis=1).astype(np.int64)
