@@ -79,7 +79,7 @@ def _call_interpreted(address: int, first: int, second: int, third: int, fourth:
 
 def _array_interpreted(address: int, shape: Any, dtype: Any) -> Any:
     count = int(np.prod(shape))
-    memory = (ctypes.c_char * (count * np.dtype(dtype).itemsize)).from_address(address) if count else b""
+    memory = (ctypes.c_char * (count * np.dtype(dtype).itemsize)).from_address(int(address)) if count else b""
     return np.frombuffer(memory, dtype=dtype).reshape(shape)
 
 

@@ -13,7 +13,6 @@ from tests import flat_scene
 from tests.cards import lens_shares
 from tests.cutouts import bilinear, cut_card, hole_material, solid_quads
 
-pytestmark = pytest.mark.fast
 WIDTH, HEIGHT, P = 12, 9, 12.0
 BOX, UV = (-0.9, 0.8, -0.6, 0.7), (-0.6, 1.3, -0.4, 1.7)  # of the card with holes, at depth 2
 COLORS = np.array([(0.9, 0.2, 0.1), (0.1, 0.7, 0.3), (0.2, 0.3, 0.8)])  # card, wall, background
@@ -77,6 +76,7 @@ def solid_at_centres(wrap, size, p):
     return on_card & (opacity >= 0.55), np.abs(opacity - 0.55)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("wrap", WRAPS)
 def test_layers_rasteriser_and_peeling_see_the_same_holes(wrap):
     size, p = (36, 27), 36.0
@@ -122,6 +122,7 @@ def test_transparent_cards_are_composited_in_order_along_the_ray():
     assert np.std(image[..., 0]) > 1e-4  # by chance, not by rule
 
 
+@pytest.mark.fast
 def test_a_window_fades_by_its_vertices_and_texture():
     """Opacity of vertices runs from 0 to 1 across the card, the texture halves it; the wall behind is black."""
     corners = np.array([0.0, 1.0, 1.0, 0.0])
@@ -133,6 +134,7 @@ def test_a_window_fades_by_its_vertices_and_texture():
     assert_allclose(View(scene, scene.camera, scene.lens).pinhole().color[..., 0], opacity, atol=1e-6)
 
 
+@pytest.mark.fast
 def test_what_is_fully_transparent_is_no_surface():
     clear = cut_card((-9, 9, -9, 9), 2.0, (0, 1, 0, 1), glass(0.0, (1, 1, 1)))
     scene = flat_scene.scene_of([clear], flat_scene.camera(6, 5, 6.0), ThinLens(0.1, 3.0), tuple(COLORS[2]))
@@ -141,6 +143,7 @@ def test_what_is_fully_transparent_is_no_surface():
     assert_allclose(refdof.reference(scene, samples=16).image, np.broadcast_to(COLORS[2], (5, 6, 3)), atol=1e-6)
 
 
+@pytest.mark.fast
 def test_many_holes_along_a_ray():
     """A ray passes through 40 fully cut cards, however they are ordered, and meets the wall."""
     cut = hole_material(np.zeros((1, 1)), 0.5)
