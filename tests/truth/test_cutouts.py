@@ -123,6 +123,22 @@ def test_transparent_cards_are_composited_in_order_along_the_ray():
 
 
 @pytest.mark.fast
+def test_layers_beyond_an_umbra_keep_their_colours():
+    """Of three windows before a wall, the second hides in the umbra of the first."""
+    depths, colors = (2.0, 2.0001, 4.0, 9.0), np.array([*COLORS, (0.5, 0.5, 0.5)])
+    cards = [
+        cut_card((-99, 99, -99, 99), depth, (0, 1, 0, 1), glass(opacity, tuple(color)))
+        for depth, opacity, color in zip(depths, (0.5, 0.5, 0.5, 1.0), colors, strict=True)
+    ]
+    scene = flat_scene.scene_of(cards, flat_scene.camera(6, 5, 6.0), ThinLens(0.1, 3.0))
+    view = View(scene, scene.camera, scene.lens)
+    everything, kept = view.layers(), view.umbra_layers()
+    assert_array_equal(kept.depth[:, 2, 3], [2.0, 4.0, 9.0])
+    assert_array_equal(kept.color[:, 2, 3], everything.color[[0, 2, 3], 2, 3])
+    assert_allclose(kept.color[1, 2, 3], 0.5 * COLORS[2] + 0.5 * colors[3], atol=1e-6)
+
+
+@pytest.mark.fast
 def test_a_window_fades_by_its_vertices_and_texture():
     """Opacity of vertices runs from 0 to 1 across the card, the texture halves it; the wall behind is black."""
     corners = np.array([0.0, 1.0, 1.0, 0.0])
