@@ -130,7 +130,7 @@ def test_layers_beyond_an_umbra_keep_their_colours():
         cut_card((-99, 99, -99, 99), depth, (0, 1, 0, 1), glass(opacity, tuple(color)))
         for depth, opacity, color in zip(depths, (0.5, 0.5, 0.5, 1.0), colors, strict=True)
     ]
-    scene = flat_scene.scene_of(cards, flat_scene.camera(6, 5, 6.0), ThinLens(0.1, 3.0))
+    scene = flat_scene.scene_of(cards, flat_scene.camera(6, 5, 600.0), ThinLens(0.1, 3.0))  # 2 hides up to 2.07
     view = View(scene, scene.camera, scene.lens)
     everything, kept = view.layers(), view.umbra_layers()
     assert_array_equal(kept.depth[:, 2, 3], [2.0, 4.0, 9.0])
