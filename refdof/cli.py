@@ -15,11 +15,11 @@ import typer
 
 import refdof
 from refdof._check import InputError
+from refdof._process import INTERRUPTED, hear_no_more
 from refdof.command_group import Commands
 
 __all__ = ["app", "main"]
 
-_INTERRUPTED = 130  # what a shell reports after Ctrl-C
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 _UsageError: Any = typer.BadParameter.__bases__[0]  # wrong words on the command line, whichever click typer brings
 
@@ -74,9 +74,10 @@ def main() -> None:
     except _UsageError as error:
         _fail(error.format_message(), 2)
     except (typer.Abort, KeyboardInterrupt):
-        status = _INTERRUPTED
-    if status == _INTERRUPTED:
-        _fail("interrupted; nothing was written", _INTERRUPTED)
+        status = INTERRUPTED
+    if status == INTERRUPTED:
+        hear_no_more()
+        _fail("interrupted; nothing was written", INTERRUPTED)
     gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from refdof._jit import cache_folder, thread_count
+from refdof._process import die_with_parent
 from refdof.methods import METHODS
 from refdof.rendering import render_view
 from refdof.scene.load import load_scene
@@ -119,6 +120,7 @@ def _do(job: str, view: View) -> None:
 
 
 if __name__ == "__main__":  # a worker: a job a line
+    die_with_parent()
     gc.disable()  # compiling leaves much that lives on; looking through it took a seventh of the time
     scene = load_scene(_SCENE)
     shared = View(scene, scene.camera.with_size(_SIZE), scene.lens)

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from refdof._check import InputError
+from refdof._process import unfinished
 
 __all__ = ["atomic_folder", "atomic_path", "check_folder", "check_own_folder", "write_text"]
 
@@ -47,8 +48,9 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
     except (OSError, ValueError) as error:
         raise _unwritable(argument, target, error) from None
     try:
-        yield temporary
-        os.replace(temporary, final)
+        with unfinished(temporary):
+            yield temporary
+            os.replace(temporary, final)
     except OSError as error:
         raise _unwritable(argument, target, error) from error
     finally:
@@ -80,16 +82,17 @@ def atomic_folder(target: str | os.PathLike[str], argument: str = "out") -> Iter
     final = Path(target).resolve()
     temporary, old = (final.parent / f".refdof-{secrets.token_hex(8)}" for _ in range(2))
     try:
-        temporary.mkdir(parents=True)
-        yield temporary
-        if final.exists():
-            os.replace(final, old)
-        try:
-            os.replace(temporary, final)
-        except OSError:
-            if old.exists():
-                os.replace(old, final)
-            raise
+        with unfinished(temporary):
+            temporary.mkdir(parents=True)
+            yield temporary
+            if final.exists():
+                os.replace(final, old)
+            try:
+                os.replace(temporary, final)
+            except OSError:
+                if old.exists():
+                    os.replace(old, final)
+                raise
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise

@@ -22,7 +22,8 @@ from datetime import date
 from fnmatch import fnmatchcase
 from typing import Any
 
-from refdof._check import InputError, as_path
+from refdof._check import InputError
+from refdof._files import as_plain_file
 
 __all__ = ["Waiver", "complaints", "read_waivers"]
 
@@ -62,7 +63,7 @@ def read_waivers(path: str | os.PathLike[str]) -> tuple[Waiver, ...]:
         If it cannot be read, or a waiver lacks something or says more than it may.
     """
     try:
-        with as_path("waivers", path).open("rb") as file:
+        with as_plain_file("waivers", path).open("rb") as file:
             content = tomllib.load(file)
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"waivers: cannot read {os.fspath(path)!r} ({error}); allowed is a TOML file") from None

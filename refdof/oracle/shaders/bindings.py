@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_path
+from refdof._check import Float, InputError, as_choice
+from refdof._files import as_plain_file
 from refdof.oracle.shaders.case import PICTURES, CaseValues, filter_of
 from refdof.oracle.shaders.drawing.slots import COUNTS, Given, Slot
 from refdof.oracle.shaders.expressions import evaluate, names_in, parsed
@@ -81,7 +82,7 @@ def read_bindings(file: str | os.PathLike[str]) -> dict[str, Binding]:
     InputError
         If the file is not of that kind.
     """
-    path = as_path("bindings", file)
+    path = as_plain_file("bindings", file)
     try:
         with path.open("rb") as stream:
             content = tomllib.loads(stream.read(_LARGEST_FILE).decode("utf-8"))

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import Float, InputError, as_number, as_path
+from refdof._files import as_plain_file
 from refdof.methods import METHODS
 from refdof.oracle.files import FileFault
 from refdof.oracle.shaders.bindings import Meanings, meanings_of, read_bindings
@@ -151,7 +152,7 @@ def _language(path: Path) -> str:
 
 def _text(path: Path) -> str:
     try:
-        with path.open("rb") as stream:
+        with as_plain_file("shader", path).open("rb") as stream:
             data = stream.read(_LARGEST_FILE + 1)
         text = data.decode("utf-8-sig")
     except (OSError, ValueError) as error:
