@@ -7,6 +7,8 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_group
 
+from refdof.progress import say_at_once
+
 __all__ = ["COMMANDS", "Commands"]
 
 
@@ -94,6 +96,8 @@ class Commands(TyperGroup):
         home = COMMANDS.get(args[0]) if args else None
         if home is not None and args[0] not in self.commands:
             more = typer.Typer(rich_markup_mode=None)
-            getattr(import_module(f"refdof.{home.module}"), home.adder)(more)
+            with say_at_once("refdof: starting"):
+                module = import_module(f"refdof.{home.module}")
+            getattr(module, home.adder)(more)
             self.commands = {**self.commands, **get_group(more).commands}
         return super().resolve_command(context, args)

@@ -107,9 +107,9 @@ def focus(
     wanted = load_focus(points, "points")
     shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius)))
     names = []
-    with progress_line() as tell, atomic_folder(output, "output") as temporary:
+    with progress_line(f"{scene}: compiling") as tell, atomic_folder(output, "output") as temporary:
         for frame in range(first, end):
-            tell("frames", frame - first, end - first)
+            tell(f"{scene}: frame {frame}", frame - first, end - first)
             view = shot.at_frame(frame).with_lens(focus_lens(wanted, shot, frame))
             names.append(f"{frame:05d}.{file_format}")
             save_image(temporary / names[-1], render_view(method, view, preset=preset, **params).image)

@@ -54,7 +54,7 @@ from refdof.options import (
     settings_of,
     stages_of,
 )
-from refdof.progress import progress_line
+from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.scene.builtin import SCENES
@@ -116,13 +116,16 @@ def render(
     wanted = stages_of(steps, pixel, [method])
     seen = CameraChoice(size, eye, target, up, fov)
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
-    with warming_up([(method, preset)] if scene in SCENES else []):
-        loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
-    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
-    result = render_view(method, view, wanted if stages is not None else False, preset, **params)
-    if stages is not None:
-        save_stages(method, view, result, stages)
-    save_image(output, result.image)
+    compiling = "" if is_warm([job_of(method, preset)]) else ", compiling what was not used before"
+    with progress_line(f"{scene}: scene{compiling}") as tell:
+        with warming_up([(method, preset)] if scene in SCENES else []):
+            loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+        view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+        tell(f"{scene}: {method}{compiling}", 0, 0)
+        result = render_view(method, view, wanted if stages is not None else False, preset, **params)
+        if stages is not None:
+            save_stages(method, view, result, stages)
+        save_image(output, result.image)
     facts = {
         "output": str(output),
         **({} if stages is None else {"stages": str(stages)}),
@@ -171,9 +174,11 @@ def export(
     params = settings_by_method(settings or [], names, ["best"])
     seen = CameraChoice(size, eye, target, up, fov)
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
-    loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
-    view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
-    export_view(view, out, names, params, layers, wanted)
+    with progress_line(f"{scene}: scene") as tell:
+        loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+        view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+        tell(f"{scene}: layers and {', '.join(names) or 'no method'}", 0, 0)
+        export_view(view, out, names, params, layers, wanted)
     facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else in_words(facts))
 
@@ -228,14 +233,17 @@ def compare(
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
         soon = []  # compiled in parallel processes, by `compare_scene`
     with progress_line() as tell:
-        for name in scenes or [DEFAULT_SCENE]:
+        wanted = scenes or [DEFAULT_SCENE]
+        for number, name in enumerate(wanted):
+            tell(f"{name}: scene", 1000 * number, 1000 * len(wanted))
+            share = overall(tell, name, number, len(wanted))
             with warming_up(soon if name in SCENES and not comparisons else []):
                 scene, camera, lens = scene_camera_lens(name, seen, chosen)
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             shot = camera, lens, samples, tolerance, seed
-            comparisons.append(compare_scene(scene, names, params, *shot, tell, presets, max_samples, _announce))
-        comparisons = _told_apart(comparisons, scenes or [DEFAULT_SCENE])
-        tell("report", 0, 1)
+            comparisons.append(compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce))
+        comparisons = _told_apart(comparisons, wanted)
+        tell("report", 1000 * len(wanted), 1000 * len(wanted))
         write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))
     if as_json:
         tables = [rows_as_json(comparison) for comparison in comparisons]

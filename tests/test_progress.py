@@ -1,0 +1,81 @@
+"""Progress on a terminal: a word at once, then scenes by name and the share of the whole run; nothing elsewhere."""
+
+import os
+import pty
+import re
+import subprocess
+import sys
+
+import pytest
+
+from refdof.progress import overall
+
+pytestmark = pytest.mark.fast
+
+
+def on_a_terminal(words, folder):
+    """What a command shows on stderr, a terminal of 100 columns."""
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, "COLUMNS": "100", "TERM": "xterm"}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "refdof.launch", *words],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    shown = b""
+    while True:
+        try:
+            piece = os.read(ours, 65536)
+        except OSError:  # the terminal was hung up
+            break
+        if not piece:
+            break
+        shown += piece
+    os.close(ours)
+    assert process.wait(timeout=60) == 0, shown
+    return shown.decode()
+
+
+def test_render_says_what_it_does_from_the_start(tmp_path):
+    words = ["render", "branches", "--method", "singlepass", "--size", "32x24", "-o", "a.png"]
+    shown = on_a_terminal(words, tmp_path)
+    assert shown.startswith("refdof: starting")
+    assert "branches: scene" in shown
+    assert "branches: singlepass" in shown
+    assert shown.rstrip().endswith("\x1b[2K") or shown.endswith("\x1b[?25h")  # an empty line is left, and the cursor
+    done = subprocess.run(
+        [sys.executable, "-m", "refdof.launch", *words], cwd=tmp_path, capture_output=True, text=True, timeout=600
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_compare_counts_all_scenes(tmp_path):
+    words = ["compare", "branches", "cans", "--methods", "singlepass, scatter", "--size", "32x24", "--samples", "4"]
+    shown = on_a_terminal(words, tmp_path)
+    shares = [int(share) for share in re.findall(r"(\d+)%", shown)]
+    assert shares == sorted(shares)
+    assert "cans (2 of 2): " in shown
+
+
+def test_shares_grow_over_steps_and_scenes():
+    told = []
+    for number, scene in enumerate(("a", "b")):
+        tell = overall(lambda *words: told.append(words), scene, number, 2)
+        for what, done, count in (
+            ("compiling", 0, 3),
+            ("reference", 1, 2),
+            ("reference", 2, 2),
+            ("scatter", 0, 2),
+            ("mipmap", 1, 2),
+            ("scores", 1, 2),
+            ("lens chart", 0, 1),
+        ):
+            tell(what, done, count)
+    assert told[0] == ("a (1 of 2): compiling", 0, 2000)
+    assert told[1] == ("a (1 of 2): reference", 375, 2000)
+    assert told[4] == ("a (1 of 2): mipmap", 625, 2000)
+    assert told[7] == ("b (2 of 2): compiling", 1000, 2000)
+    assert told[12] == ("b (2 of 2): scores", 1875, 2000)
