@@ -73,9 +73,7 @@ def focus(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Built-in scene or mesh file.")],
     points: Points,
     method: Annotated[str, typer.Option("--method", help="Method name, see `refdof methods`.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the pictures; made if it is missing.")
-    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the pictures; made if it is missing.")],
     frames: Annotated[
         str, typer.Option("--frames", metavar="A:B", help="Frames A to B - 1, 24 a second. Default: frame 0.")
     ] = "0:1",
@@ -101,19 +99,19 @@ def focus(
     if file_format not in _FORMATS:
         raise InputError(f"format: got {file_format!r}; allowed are {', '.join(_FORMATS)}")
     first, end = _frames(frames)
-    check_own_folder(output, _is_frame, "output")
+    check_own_folder(out, _is_frame)
     params = settings_of(settings or [])
     make_params(method, params, preset)
     wanted = load_focus(points, "points")
     shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius)))
     names = []
-    with progress_line(f"{scene}: compiling") as tell, atomic_folder(output, "output") as temporary:
+    with progress_line(f"{scene}: compiling") as tell, atomic_folder(out) as temporary:
         for frame in range(first, end):
             tell(f"{scene}: frame {frame}", frame - first, end - first)
             view = shot.at_frame(frame).with_lens(focus_lens(wanted, shot, frame))
             names.append(f"{frame:05d}.{file_format}")
             save_image(temporary / names[-1], render_view(method, view, preset=preset, **params).image)
-    print(json.dumps({"output": str(output), "files": names}) if as_json else f"output={output}, frames={len(names)}")
+    print(json.dumps({"out": str(out), "files": names}) if as_json else f"out={out}, frames={len(names)}")
 
 
 def _is_frame(name: str) -> bool:

@@ -60,11 +60,15 @@ from refdof.report import markdown_table, rows_as_json, terminal_table, write_co
 from refdof.scene.builtin import SCENES
 from refdof.shot import CameraChoice, LensChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
+from refdof.truth.reference import samples_taken
+from refdof.truth.tile_sampler import power_of_two
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 from refdof.warm import warm as compile_jobs
 
 __all__ = ["add_main"]
+
+_MOST_SAMPLES = 1 << 22  # more are refused
 
 
 def add_main(app: typer.Typer) -> None:
@@ -112,7 +116,9 @@ def render(
     if stages is not None:
         check_arrays_folder(stages, "stages")
     params = settings_of(settings or [], seed=seed, samples=samples)
-    make_params(method, params, preset)
+    given = make_params(method, params, preset)
+    if method == "accumulation":
+        _say_rounded(method, given.samples, int(power_of_two(given.samples)))
     wanted = stages_of(steps, pixel, [method])
     seen = CameraChoice(size, eye, target, up, fov)
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
@@ -220,6 +226,8 @@ def compare(
     """Compare methods with a reference: table, images and report."""
     set_threads(threads)
     samples, max_samples = sample_counts(samples, tolerance, max_samples)
+    if tolerance is None and 1 <= samples <= _MOST_SAMPLES:
+        _say_rounded("reference", samples, samples_taken(samples))
     if as_json:
         refuse_ignored("with --json", "without it", wide=wide)
     check_folder(out)
@@ -269,6 +277,11 @@ def warm() -> None:
     """
     with progress_line() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
+
+
+def _say_rounded(what: str, asked: int, taken: int) -> None:
+    if asked != taken:
+        print(f"refdof: {what}: {asked} samples per pixel are rounded up to {taken}", file=sys.stderr)
 
 
 def _announce(forecast: Forecast) -> None:

@@ -52,7 +52,7 @@ def command_of(scene: Scene, name: str, state: State, focus_file: str, output: s
         words += ["--focus-points", focus_file]
     else:
         frame = round(state.frame)
-        words += ["--points", focus_file, "--frames", f"{frame}:{frame + 1}", "-o", output.rpartition(".")[0]]
+        words += ["--points", focus_file, "--frames", f"{frame}:{frame + 1}", "--out", output.rpartition(".")[0]]
         suffix = output.rpartition(".")[2]
         return shlex.join(["refdof", "focus", *words, *([] if suffix == "png" else ["--format", suffix])])
     return shlex.join(["refdof", "render", *words, "-o", output])

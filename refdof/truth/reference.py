@@ -31,7 +31,7 @@ from refdof.optics.lens import ThinLens
 from refdof.optics.owen_sobol import MAX_LOG2
 from refdof.scene.scene import Scene
 from refdof.truth.error_bar import excess
-from refdof.truth.tile_sampler import Spend, TileSampler
+from refdof.truth.tile_sampler import Spend, TileSampler, power_of_two
 from refdof.view import View, view_of
 
 __all__ = [
@@ -44,6 +44,7 @@ __all__ = [
     "as_seed",
     "reference",
     "reference_of_view",
+    "samples_taken",
 ]
 
 PIXEL_FILTERS = ("centre", "box")
@@ -164,12 +165,21 @@ def reference_of_view(
         replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
     samples = as_integer("samples", samples, minimum=1, maximum=(replicates or REPLICATES) << MAX_LOG2)
     if replicates is None:
-        large = tolerance is None and samples >= REPLICATES * _LARGE_NET
-        replicates = REPLICATES if large else STEADY_REPLICATES
+        replicates = STEADY_REPLICATES if tolerance is not None else _replicates_for(samples)
     if tolerance is not None:
         tolerance = as_number("tolerance", tolerance, above=0.0)
     spend = Spend(samples, tolerance, as_most(max_samples))
     return estimate(view, replicates, seed, spend, pixel_filter, shared_pattern, progress)
+
+
+def samples_taken(samples: int) -> int:
+    """Lens samples per pixel that the reference takes where `samples` are asked for, without a tolerance."""
+    replicates = _replicates_for(samples)
+    return replicates * int(power_of_two(samples / replicates))
+
+
+def _replicates_for(samples: int) -> int:
+    return REPLICATES if samples >= REPLICATES * _LARGE_NET else STEADY_REPLICATES
 
 
 def as_most(max_samples: Any) -> int:

@@ -43,7 +43,7 @@ def test_a_sequence_has_a_picture_a_frame_and_changes_smoothly(tmp_path, monkeyp
         "focus.toml",
         "--method",
         "scatter",
-        "-o",
+        "--out",
         "frames",
         "--format",
         "npy",
@@ -51,7 +51,7 @@ def test_a_sequence_has_a_picture_a_frame_and_changes_smoothly(tmp_path, monkeyp
     ]
     done = run(*words, "--frames", "0:24")
     assert done.exit_code == 0
-    assert done.stdout.strip() == "output=frames, frames=24"
+    assert done.stdout.strip() == "out=frames, frames=24"
     frames = [load_image(path) for path in sorted((tmp_path / "frames").iterdir())]
     assert len(frames) == 24
     whole = np.sqrt(np.mean((frames[-1] - frames[0]) ** 2))
@@ -60,7 +60,7 @@ def test_a_sequence_has_a_picture_a_frame_and_changes_smoothly(tmp_path, monkeyp
     # circle of confusion grows with 1 / distance.
     assert max(steps) < 4.0 * whole / 23.0
     (tmp_path / "frames" / "mine.txt").write_text("")
-    with pytest.raises(InputError, match="output: got 'frames', which holds other files"):
+    with pytest.raises(InputError, match="out: got 'frames', which holds other files"):
         run(*words)
     scene = load_scene("cans")
     camera = scene.camera.with_size((48, 36))
@@ -111,6 +111,6 @@ def test_bad_words_are_named(tmp_path, monkeypatch, words, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "focus.toml").write_text("[[point]]\ntriangle = 0\nbarycentrics = [1, 1, 1]\n")
     with pytest.raises(InputError) as told:
-        run("focus", "cans", "--points", "focus.toml", "--method", "scatter", "-o", "frames", *SMALL, *words)
+        run("focus", "cans", "--points", "focus.toml", "--method", "scatter", "--out", "frames", *SMALL, *words)
     assert str(told.value).startswith(message)
     assert not (tmp_path / "frames").exists()

@@ -238,8 +238,8 @@ def test_the_command_line_follows_an_animation(tmp_path, monkeypatch):
     assert [point["triangle"] // 2 for point in found] == [1 - card, card]
     (tmp_path / "focus.toml").write_text(early)
     words = ["focus", "moving.glb", "--points", "focus.toml", "--method", "scatter", "--format", "npy", *size]
-    assert command(*words, "-o", "all", "--frames", "0:7").strip() == "output=all, frames=7"
-    command(*words, "-o", "one", "--frames", "5:6")
+    assert command(*words, "--out", "all", "--frames", "0:7").strip() == "out=all, frames=7"
+    command(*words, "--out", "one", "--frames", "5:6")
     assert (tmp_path / "one" / "00005.npy").read_bytes() == (tmp_path / "all" / "00005.npy").read_bytes()
     scene = load_scene(tmp_path / "moving.glb")
     for frame, depth in ((0, 6.0), (3, 4.5), (6, 3.0)):
