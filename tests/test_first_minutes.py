@@ -9,7 +9,6 @@ from typer.testing import CliRunner
 from refdof._check import InputError
 from refdof.cli import app
 
-pytestmark = pytest.mark.fast
 SMALL = ["--size", "32x24"]
 
 
@@ -60,6 +59,7 @@ READERS = {
 ROOT = os.path.dirname(os.path.dirname(__file__))
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("words", READERS.values(), ids=READERS)
 @pytest.mark.parametrize("file", ["-", "/dev/stdin", "pipe", "folder"])
 def test_what_is_no_plain_file_is_refused_by_name(tmp_path, monkeypatch, words, file):
