@@ -3,37 +3,48 @@
 import urllib.parse
 from pathlib import Path
 
-__all__ = ["FilesBeside"]
+from refdof.scene.limits import Meter
 
-_MOST_BYTES = 1 << 30  # of a file
+__all__ = ["FilesBeside"]
 
 
 class FilesBeside:
     """The files beside the mesh file `path`; `missing` has those that are left out, with the reason."""
 
-    def __init__(self, path: Path) -> None:
-        self._root = path.parent.resolve()
+    def __init__(self, path: Path, meter: Meter) -> None:
+        self._root, self._meter = path.parent.resolve(), meter
         self.missing: dict[str, str] = {}
 
-    def get(self, name: str) -> bytes:
+    def get(self, name: str, folder: str = "") -> bytes:
         """The bytes of a file by its name, which may be a URI, with slashes of any system.
 
-        Of a path that leads nowhere, such as one of another machine, the last part is looked for beside the mesh.
+        It is looked for in `folder`, then beside the mesh. Of a path that leads nowhere, such as one of another
+        machine, the last part is looked for.
         """
+        path = self.find(name, folder)
+        self._meter.bytes(name, path.stat().st_size)
+        return path.read_bytes()
+
+    def find(self, name: str, folder: str = "") -> Path:
+        """Where the file is; a FileNotFoundError if it is nowhere, and it is told as missing."""
         written = name.strip().replace("\\", "/")
         reasons = []
         for text in dict.fromkeys((written, urllib.parse.unquote(written), written.rpartition("/")[2])):
-            try:
-                path = _in_any_case(self._root, text)
-                if path.stat().st_size > _MOST_BYTES:
-                    raise ValueError(f"it has {path.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
-            except (OSError, ValueError) as error:
-                reasons.append(str(error))
-                continue
-            self.missing.pop(name, None)
-            return path.read_bytes()
+            relative = "://" not in text and not text.startswith("/")
+            for place in dict.fromkeys((folder, "")):
+                try:
+                    path = _in_any_case(self._root, f"{place}/{text}" if place and relative else text)
+                except (OSError, ValueError) as error:
+                    reasons.append(str(error))
+                    continue
+                self.missing.pop(name, None)
+                return path
         self.missing[name] = reasons[0]
         raise FileNotFoundError(f"{name}: {reasons[0]}")
+
+    def folder_of(self, path: Path) -> str:
+        """The folder of a found file, below the mesh's."""
+        return path.parent.relative_to(self._root).as_posix()
 
 
 def _in_any_case(root: Path, name: str) -> Path:

@@ -7,6 +7,7 @@ from typing import Any
 
 from refdof._check import InputError, as_choice, as_color, as_path
 from refdof.scene.builtin import SCENES, built_in
+from refdof.scene.limits import Limits
 from refdof.scene.material import SHADINGS
 from refdof.scene.scene import Scene
 
@@ -14,7 +15,11 @@ __all__ = ["load_scene"]
 
 
 def load_scene(
-    name: str | Path, shading: str | None = None, background: tuple[float, float, float] | None = None
+    name: str | Path,
+    shading: str | None = None,
+    background: tuple[float, float, float] | None = None,
+    limits: Limits = Limits(),
+    file_camera: bool = True,
 ) -> Scene:
     """A built-in scene, or any mesh file that trimesh reads (OBJ, PLY, STL, GLB, glTF and more).
 
@@ -26,6 +31,10 @@ def load_scene(
         Replaces the scene's own; files are "lambert" by default.
     background : (3,) floats, optional
         Linear RGB of rays that meet nothing; replaces the scene's own.
+    limits : Limits
+        The most that reading a file may take.
+    file_camera : bool
+        False: suggest a shot even if a glTF file has a camera.
 
     Returns
     -------
@@ -35,7 +44,8 @@ def load_scene(
     Raises
     ------
     InputError
-        If there is neither such a scene nor such a file, or the file holds no usable triangles.
+        If there is neither such a scene nor such a file, or the file holds no usable triangles, needs
+        what is not read, or asks for more than the limits allow.
     """
     path = as_path("scene", name)
     if shading is not None:
@@ -52,4 +62,4 @@ def load_scene(
     from refdof.scene.mesh_file import load_mesh  # trimesh is slow to import
 
     words: dict[str, Any] = {} if background is None else {"background": background}
-    return load_mesh(path, shading, **words)
+    return load_mesh(path, shading, limits=limits, file_camera=file_camera, **words)

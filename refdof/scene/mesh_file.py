@@ -1,39 +1,47 @@
-"""Mesh files: any file that trimesh reads, as a scene with a shot. The only file that knows trimesh.
+"""Mesh files: OBJ, PLY, OFF, STL, glTF and GLB as a scene with a shot.
 
-1. read the file; whatever goes wrong becomes one line     `_read`, `refdof.scene.beside`
-2. every mesh, placed by its node                          `_part`
-3. its colours and textures, made linear                   `refdof.scene.looks`
-4. the file's own normals, or smooth ones with creases     `refdof.scene.smooth_normals`
-5. a glTF file's animation, skins and morph targets        `refdof.scene.gltf.rig`
-6. a glTF file's own camera, or a suggested shot           `refdof.scene.gltf.camera`, `refdof.scene.framing`
+1. what a kind of file holds; whatever goes wrong becomes one line     `refdof.scene.formats`, `refdof.scene.gltf`
+2. every surface, placed by its node                                   `_part`
+3. the file's own normals, or smooth ones with creases                 `refdof.scene.smooth_normals`
+4. a glTF file's animation, skins and morph targets                    `refdof.scene.gltf.rig`
+5. a glTF file's own camera, or a suggested shot                       `_with_shot`
 
-What is left out: points, lines, transparency, and every texture but that of the base colour; of animations, all but a
-glTF file's first. An animated scene stands at frame 0.
-Texture coordinates outside 0 .. 1 repeat, whatever the file asks for.
+What is left out is told in one warning. An animated scene stands at frame 0.
 """
 
-import io
-import logging
 import warnings
-from codecs import BOM_UTF8
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 
-from refdof._check import Float, Index, InputError, as_choice, as_color, as_float, as_index, as_path
+from refdof._check import (
+    Float,
+    Index,
+    InputError,
+    as_bool,
+    as_choice,
+    as_color,
+    as_float,
+    as_index,
+    as_instance,
+    as_path,
+)
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
-from refdof.scene.beside import FilesBeside
+from refdof.scene.formats.obj import read_obj
+from refdof.scene.formats.off import read_off
+from refdof.scene.formats.ply import read_ply
+from refdof.scene.formats.reading import Reading, Surface
 from refdof.scene.framing import suggest_camera, suggest_lens, up_axis
-from refdof.scene.gltf.camera import camera_kinds, gltf_camera
+from refdof.scene.gltf.camera import beyond_clipping, gltf_camera, refuse_other_cameras
 from refdof.scene.gltf.extensions import left_out_extensions
 from refdof.scene.gltf.file import GltfFile, Numbers, read_gltf
-from refdof.scene.gltf.plain import marked, marks_of, without_cameras
+from refdof.scene.gltf.nodes import matrix_of, tree_of
+from refdof.scene.gltf.placed import Placed, copied, copied_faces, read_placed
 from refdof.scene.gltf.rig import Limb, Rig, animation_of, is_rigged, read_rig, turned_normals
-from refdof.scene.looks import Looks
+from refdof.scene.limits import Limits
 from refdof.scene.material import SHADINGS, Light
 from refdof.scene.scene import Part, Scene
 from refdof.scene.smooth_normals import smooth_normals
@@ -41,15 +49,16 @@ from refdof.scene.smooth_normals import smooth_normals
 __all__ = ["load_mesh"]
 
 _GLTF = ("glb", "gltf")
-_TEXT = ("obj", "off")
+_READERS = {"obj": read_obj, "ply": read_ply, "off": read_off}
 _LONGEST_WARNING = 500
-
-# trimesh logs for those who listen; without a handler its warnings would be printed.
-logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 
 def load_mesh(
-    path: str | Path, shading: str | None = None, background: tuple[float, float, float] = (0.46, 0.55, 0.64)
+    path: str | Path,
+    shading: str | None = None,
+    background: tuple[float, float, float] = (0.46, 0.55, 0.64),
+    limits: Limits = Limits(),
+    file_camera: bool = True,
 ) -> Scene:
     """Read a mesh file.
 
@@ -60,6 +69,10 @@ def load_mesh(
     shading : "unlit", "lambert", "phong", or None: "lambert", and "unlit" for materials of glTF files that are
     background : (3,) floats >= 0
         Linear RGB of rays that meet nothing; the default is a light grey-blue.
+    limits : Limits
+        The most that reading may take.
+    file_camera : bool
+        False: suggest a shot even if the file has a camera.
 
     Returns
     -------
@@ -69,48 +82,56 @@ def load_mesh(
     Raises
     ------
     InputError
-        If the file is missing, unreadable, broken, of an unknown kind or without triangles, or if a number
-        in it is NaN, infinite or out of range.
+        If the file is missing, unreadable, broken, of an unknown kind or without triangles, if a number in it is NaN,
+        infinite or out of range, if it needs what is not read, or more than the limits allow.
     """
     path = as_path("scene", path)
     if shading is not None:
         as_choice("shading", shading, SHADINGS)
     background = as_color("background", background)
+    as_instance("limits", limits, Limits)
+    own_camera = as_bool("file_camera", file_camera)
     try:
         _check_kind(path)
-        file = read_gltf(path) if _suffix(path) in _GLTF else None
-        beside, looks = FilesBeside(path), Looks(shading, None if file is None else file.header)
-        extensions = [] if file is None else left_out_extensions(file.header)
-        rig = None if file is None or not is_rigged(file.header) else read_rig(file, beside.get)
+        reading = Reading(path, shading, limits)
+        reading.meter.bytes(path.name, path.stat().st_size)
+        data = path.read_bytes()
+        file = read_gltf(data) if _suffix(path) in _GLTF else None
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
             # NumPy's word for garbage between numbers; what follows would be lost in silence.
             warnings.filterwarnings("error", message="string or file could not be read")
-            parts, limbs = _read(path, looks, beside, file, rig)
+            parts, limbs, rig = _read(path, data, reading) if file is None else _read_gltf(file, reading)
         # The shot follows from the scene, so a stand-in comes first.
         camera, lens = Camera((0, 0, 1), (0, 0, 0)), ThinLens(0.0, 1.0)
         scene = Scene.from_parts(path.stem, parts, camera, lens, background)
         if rig is not None:  # the camera moves with it, if the file has one
             scene = replace(scene, animation=replace(animation_of(rig, limbs), camera=camera)).at_frame(0)
+        if file is not None and own_camera:
+            refuse_other_cameras(file.header)
     except InputError as error:
         raise _refusal(path, str(error)) from None
-    except Exception as error:  # trimesh lets through whatever its parsers meet
+    except Exception as error:  # parsers let through whatever they meet
         reason = " ".join(f"{type(error).__name__}: {error}".split())
         raise _refusal(path, f"it cannot be read ({reason[:160]})") from error
-    left_out = [f"{name} ({reason})" for name, reason in {**beside.missing, **looks.broken}.items()]
-    left_out += [f"the extension {name}" for name in extensions]
-    if file is not None and camera_kinds(file.header) == {"orthographic"}:
-        left_out.append("its orthographic camera")
-    if left_out:
-        warnings.warn(f"{path.name}: left out: {', '.join(left_out)}"[:_LONGEST_WARNING], stacklevel=2)
     if not len(scene.faces):
         raise _refusal(path, f"it has no triangle with an area ({scene.dropped_faces} without)")
+    return _with_shot(path, scene, file, reading, own_camera)
+
+
+def _with_shot(path: Path, scene: Scene, file: GltfFile | None, reading: Reading, own_camera: bool) -> Scene:
+    """The scene with the file's camera, or a suggested one; what was left out is told."""
     up = 1 if file is not None else up_axis(scene.vertices, scene.faces)  # glTF defines y as up
     animation = scene.animation
-    if animation is not None:
-        file_camera = animation.camera
+    if file is None or not own_camera:
+        file_camera = None
     else:
-        file_camera = None if file is None else gltf_camera(file.header)
+        file_camera = gltf_camera(file.header) if animation is None else animation.camera
+    if file is not None and file_camera is not None:
+        for what in beyond_clipping(file.header, file_camera, scene.vertices, scene.faces):
+            reading.leave_out(what, "what lies beyond is drawn")
+    left_out = reading.left_out()
+    if left_out:
+        warnings.warn(f"{path.name}: left out: {', '.join(left_out)}"[:_LONGEST_WARNING], stacklevel=3)
     shown = scene.vertices
     if animation is not None and not np.ptp(shown, axis=0).any():  # what is yet to grow is shown as it will be
         shown = scene.at_frame(animation.last).vertices
@@ -134,98 +155,98 @@ def _suffix(path: Path) -> str:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise if the path is no file of a kind that trimesh reads."""
+    """Raise if the path is no file of a kind that is read."""
     if not path.is_file():
         raise InputError("it is not a file" if path.exists() else "there is no such file")
-    formats = sorted(trimesh.available_formats())
-    if not any(path.name.lower().endswith(f".{known}") for known in formats):
-        raise InputError(f"its type is not one of {', '.join(formats)}")
+    if _suffix(path) not in (*_GLTF, *_READERS):
+        from refdof.scene.formats.by_trimesh import trimesh_kinds  # slow to import
+
+        if _suffix(path) not in trimesh_kinds():
+            raise InputError(f"its type is not one of {', '.join(trimesh_kinds())}")
     if path.stat().st_size == 0:
         raise InputError("it is empty")
 
 
-class _Resolver(trimesh.resolvers.FilePathResolver):
-    """`FilesBeside`, as trimesh asks for files."""
-
-    def __init__(self, path: Path, beside: FilesBeside) -> None:
-        super().__init__(str(path))
-        self._beside = beside
-
-    def get(self, name: str) -> bytes:
-        return self._beside.get(name)
-
-
-def _read(
-    path: Path, looks: Looks, beside: FilesBeside, file: GltfFile | None, rig: Rig | None
-) -> tuple[list[Part], list[Limb]]:
-    """All meshes of the file, in world space; with a rig, in their nodes' space, and each part's limb."""
-    if file is None:
-        data = _tidied(path)
+def _read(path: Path, data: bytes, reading: Reading) -> tuple[list[Part], list[Limb], None]:
+    """All surfaces of a file that is no glTF file."""
+    kind = _suffix(path)
+    if kind in _READERS:
+        surfaces = _READERS[kind](data, reading)
     else:
-        numbers = Numbers(file, beside.get) if rig is None else rig.numbers
-        data = without_cameras(file, numbers) if rig is None else marked(file, numbers)
-    opened: Any = path if data is None else io.BytesIO(data)
-    kind = None if data is None else _suffix(path)
-    loaded = trimesh.load_scene(opened, kind, _Resolver(path, beside), process=False)  # neither merge nor drop vertices
+        from refdof.scene.formats.by_trimesh import read_by_trimesh  # slow to import
+
+        surfaces = read_by_trimesh(path, data, kind, reading)
+    return [_part(surface, np.eye(4), smooth=True)[0] for surface in surfaces if len(surface.faces)], [], None
+
+
+def _read_gltf(file: GltfFile, reading: Reading) -> tuple[list[Part], list[Limb], Rig | None]:
+    """All primitives of a glTF file, in world space; with a rig, in their nodes' space, and each part's limb."""
+    header = file.header
+    for name in left_out_extensions(header):
+        reading.leave_out(f"the extension {name}")
+    numbers = Numbers(file, reading.beside.get, reading.meter)
+    reading.meter.instances(0 if not isinstance(header.get("nodes"), list) else len(header["nodes"]))
+    tree = tree_of(header)
+    rig = read_rig(header, numbers, tree) if is_rigged(header) else None
+    placed = read_placed(header, numbers, tree, reading)
+    local = [] if rig is not None else [matrix_of(node) for node in header.get("nodes", [])]
+    with np.errstate(all="ignore"):  # transforms may hold any numbers; `Scene` judges what comes out
+        world = tree.worlds(local) if local else []
     parts, limbs = [], []
-    for node in loaded.graph.nodes_geometry:
-        world, name = loaded.graph[node]
-        mesh = loaded.geometry[name]
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            placed = np.asarray(world, dtype=np.float64) if rig is None else np.eye(4)
-            part, source, states_normals = _part(mesh, placed, looks)
-            parts.append(part)
-            if rig is not None:
-                limbs.append(_limb(node, mesh, part, source, states_normals))
-    return parts, limbs
+    for item in placed:
+        reading.meter.clock()
+        surface, source = _instances(item, rig)
+        part, again, states_normals = _part(surface, np.eye(4) if rig is not None else world[item.node], smooth=False)
+        parts.append(part)
+        if rig is not None:
+            normal = np.zeros((0, 3)) if part.normal is None else part.normal.astype(np.float64)
+            whose = (item.node, item.mesh, item.primitive)
+            limbs.append(Limb(*whose, source[again], part.vertices, normal, part.faces, states_normals))
+    return parts, limbs, rig
 
 
-def _limb(node: str, mesh: Any, part: Part, source: Index, states_normals: bool) -> Limb:
-    normal = np.zeros((0, 3)) if part.normal is None else part.normal.astype(np.float64)
-    return Limb(*marks_of(node, mesh.vertex_attributes), source, part.vertices, normal, part.faces, states_normals)
+def _instances(item: Placed, rig: Rig | None) -> tuple[Surface, Index]:
+    """A node's copies of a surface as one surface, and the vertex that each of its own is of."""
+    surface, copies = item.surface, item.copies
+    source = np.arange(len(surface.vertices))
+    if copies is None:
+        return surface, source
+    if rig is not None and ("skin" in rig.header["nodes"][item.node] or _has_targets(rig.header, item)):
+        raise InputError(
+            f"nodes {item.node}: has instances with a skin or morph targets; allowed are instances without"
+        )
+    many: dict[str, Any] = {
+        name: None if values is None else np.tile(values, (len(copies), *[1] * (values.ndim - 1)))
+        for name, values in (("uv", surface.uv), ("color", surface.color), ("opacity", surface.opacity))
+    }
+    vertices = copied(surface.vertices, copies)
+    faces = copied_faces(surface.faces, len(surface.vertices), len(copies))
+    if surface.normal is not None:
+        many["normal"] = np.concatenate([turned_normals(surface.normal, matrix[:3, :3]) for matrix in copies])
+    return surface._replace(vertices=vertices, faces=faces, **many), np.tile(source, len(copies))
 
 
-def _tidied(path: Path) -> bytes | None:
-    """What trimesh is given in the file's place; None if it can take the file as it is."""
-    if _suffix(path) not in _TEXT:
-        return None
-    data = path.read_bytes()
-    marked = data.startswith(BOM_UTF8)  # the first line would be lost in silence, and with it a vertex
-    data = data.removeprefix(BOM_UTF8)
-    try:
-        data.decode()
-    except UnicodeDecodeError:  # names and comments of older programs
-        return data.decode("latin-1").encode()
-    return data if marked else None
+def _has_targets(header: dict[str, Any], item: Placed) -> bool:
+    return bool(header["meshes"][item.mesh]["primitives"][item.primitive].get("targets"))
 
 
-def _part(mesh: Any, world: Float, looks: Looks) -> tuple[Part, Index, bool]:
-    """One mesh in world space; `world` (4, 4) is its node's transform. Also the mesh's vertex that each of the part's
-    copies, and whether the normals are the file's own.
+def _part(surface: Surface, world: Float, smooth: bool) -> tuple[Part, Index, bool]:
+    """One surface in world space; `world` (4, 4) is its node's transform. Also the surface's vertex that each of the
+    part's copies, and whether the normals are the file's own. Others are smooth, or flat.
     """
-    vertices = as_float("vertices", mesh.vertices, (None, 3), dtype=np.float64)
-    faces = as_index("faces", mesh.faces, (None, 3), end=len(vertices))
-    vertices = vertices @ world[:3, :3].T + world[:3, 3]
-    normal = _file_normals(mesh, world)
-    uv, color, material = looks.of(mesh)
+    vertices = as_float("vertices", surface.vertices, (None, 3), dtype=np.float64)
+    faces = as_index("faces", surface.faces, (None, 3), end=len(vertices))
+    with np.errstate(all="ignore"):  # `Part` judges what comes out
+        vertices = vertices @ world[:3, :3].T + world[:3, 3]
+    normal = None if surface.normal is None else turned_normals(surface.normal, world[:3, :3])
+    if normal is not None and not np.isfinite(normal).all():  # one of no direction is useless
+        normal = None
+    uv, color, opacity = surface.uv, surface.color, surface.opacity
     source: Index = np.arange(len(vertices))
-    if mesh.visual.kind == "face" and color is not None:  # every face gets corners of its own
-        source, faces = faces.ravel(), np.arange(faces.size).reshape(-1, 3)
-        vertices, color = vertices[source], np.repeat(color, 3, axis=0)
-        normal = None if normal is None else normal[source]
     states_normals = normal is not None
     if normal is None:
         # glTF 2.0, 3.7.2.1: flat where a file states none.
-        copied, faces, normal = smooth_normals(vertices, faces, *([0.0] if looks.of_gltf else []))
-        source, vertices = source[copied], vertices[copied]
-        uv = None if uv is None else uv[copied]
-        color = None if color is None else color[copied]
-    return Part(vertices, faces, material, uv, color, normal), source, states_normals
-
-
-def _file_normals(mesh: Any, world: Float) -> Float | None:
-    """Unit normals (V, 3) that the file states, in world space; None if it states none or a useless one."""
-    if "vertex_normals" not in mesh._cache:  # asking the mesh itself would compute them
-        return None
-    normal = turned_normals(np.asarray(mesh.vertex_normals, dtype=np.float64), world[:3, :3])
-    return normal if np.isfinite(normal).all() else None
+        source, faces, normal = smooth_normals(vertices, faces, *([] if smooth else [0.0]))
+        vertices = vertices[source]
+        uv, color, opacity = (None if values is None else values[source] for values in (uv, color, opacity))
+    return Part(vertices, faces, surface.material, uv, color, normal, opacity), source, states_normals

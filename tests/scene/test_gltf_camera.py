@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 
+from refdof import InputError
 from refdof.scene.mesh_file import load_mesh
 from tests.mesh_fixtures import QUAD, gltf, write
 
@@ -37,3 +38,51 @@ def test_a_useless_camera_is_left_out(tmp_path, perspective):
     cameras = [{"type": "perspective", "perspective": perspective}]
     path = write(tmp_path, "cam.gltf", gltf([{"mesh": 0}, {"camera": 0}], cameras=cameras))
     assert load_mesh(path).camera.size == (640, 480)  # the suggested shot
+
+
+ORTHOGRAPHIC = {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 10}}
+
+
+def test_an_orthographic_camera_is_refused_by_name(tmp_path):
+    path = write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], cameras=[ORTHOGRAPHIC]))
+    with pytest.raises(InputError, match=r"its camera is orthographic; .*file_camera=False"):
+        load_mesh(path)
+    assert load_mesh(path, file_camera=False).camera.size == (640, 480)  # the suggested shot
+
+
+def test_a_perspective_camera_beside_an_orthographic_one_is_taken(tmp_path):
+    text = gltf([{"mesh": 0}, {"camera": 0}, {"camera": 1}], cameras=[ORTHOGRAPHIC, CAMERA])
+    path = write(tmp_path, "a.gltf", text)
+    assert load_mesh(path).camera.fov_y == pytest.approx(90.0, rel=1e-12)
+    assert load_mesh(path, file_camera=False).camera.fov_y != pytest.approx(90.0)
+
+
+def test_an_orthographic_camera_of_another_scene_does_not_count(tmp_path):
+    load_mesh(write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], roots=[0], cameras=[ORTHOGRAPHIC])))
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "told"),
+    [
+        (0.1, 10.0, ()),
+        (3.0, 3.0, ()),  # both planes through the quad, 3 before the camera
+        (3.1, 10.0, ("znear",)),
+        (0.1, 2.9, ("zfar",)),
+        (3.5, 2.9, ("znear", "zfar")),
+        (0.1, None, ()),
+    ],
+)
+@pytest.mark.parametrize("aside", [False, True])
+def test_what_lies_beyond_the_cameras_planes_is_told(tmp_path, near, far, told, aside):
+    planes = {"znear": near} | ({} if far is None else {"zfar": far})
+    camera = {"type": "perspective", "perspective": {"yfov": np.pi / 2, "aspectRatio": 1.0, **planes}}
+    # 3 before the quad, and 40 aside of it: then nothing that is cut away is seen.
+    place = {"camera": 0, "translation": [40.0 if aside else 1.0, 0.5, 3.0]}
+    path = write(tmp_path, "a.gltf", gltf([{"mesh": 0}, place], cameras=[camera]))
+    if told and not aside:
+        with pytest.warns(
+            UserWarning, match="left out: " + ", ".join(rf"its camera's {name} \(.*\)" for name in told) + "$"
+        ):
+            load_mesh(path)
+    else:
+        load_mesh(path)

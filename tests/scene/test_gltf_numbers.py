@@ -140,15 +140,6 @@ def test_bad_transforms_are_named(tmp_path, transform, message):
         load_mesh(write(tmp_path, "a.gltf", json.dumps(header)))
 
 
-def test_plain_files_stay_as_they_are(tmp_path):
-    """No number is written anew: the file's own buffer gives the bits."""
-    from refdof.scene.gltf.file import Numbers, read_gltf
-    from refdof.scene.gltf.plain_numbers import with_plain_numbers
-
-    file = read_gltf(write(tmp_path, "a.gltf", gltf([{"mesh": 0}], [BASE], uri("image/png", png()))))
-    assert with_plain_numbers(file.header, Numbers(file, lambda name: b"")) is file.header
-
-
 @pytest.mark.parametrize(
     ("mode", "order", "faces"),
     [

@@ -5,22 +5,24 @@ References
 .. [1] Khronos Group (2021), glTF 2.0 Specification: 3.12 (extensions).
 """
 
-import importlib.util
 from typing import Any
 
 from refdof._check import InputError
+from refdof.scene.gltf.codecs import DECODERS, has_decoder
 
 __all__ = ["left_out_extensions"]
 
 _READ = (
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 )
-_WITH_A_DECODER = {"KHR_draco_mesh_compression": "DracoPy"}  # by trimesh, if this package is there
 
 
 def left_out_extensions(header: dict[str, Any]) -> list[str]:
@@ -34,15 +36,13 @@ def left_out_extensions(header: dict[str, Any]) -> list[str]:
     used, required = (_names(header, kind) for kind in ("extensionsUsed", "extensionsRequired"))
     for name in required:
         if not _is_read(name):
-            package = _WITH_A_DECODER.get(name)
-            hint = "" if package is None else f", or this one with the package {package}"
-            raise InputError(f"it requires the extension {name[:80]!r}; allowed are {', '.join(_READ)}{hint}")
+            hint = "; pip install 'refdof[codecs]' reads it" if name in DECODERS else ""
+            raise InputError(f"it requires the extension {name[:80]!r}{hint}; allowed are {', '.join(_READ)}")
     return [name for name in used if not _is_read(name)]
 
 
 def _is_read(name: str) -> bool:
-    package = _WITH_A_DECODER.get(name)
-    return name in _READ or (package is not None and importlib.util.find_spec(package) is not None)
+    return name in _READ or has_decoder(name)
 
 
 def _names(header: dict[str, Any], kind: str) -> list[str]:

@@ -1,5 +1,7 @@
 """A glTF or GLB file: its header, its buffers and the numbers in its accessors.
 
+Numbers may be sparse, of any type and stride, and packed by meshopt.
+
 References
 ----------
 .. [1] Khronos Group (2021), glTF 2.0 Specification: 3.6 (buffers, accessors), 4.4 (GLB).
@@ -7,54 +9,79 @@ References
 
 import base64
 import json
+import urllib.parse
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from refdof._check import Float, Index, InputError, as_float, as_index, as_integer
+from refdof.scene.gltf.codecs import has_decoder, meshopt_bytes
+from refdof.scene.limits import Meter
 
-__all__ = ["GltfFile", "Numbers", "member", "read_gltf"]
+__all__ = ["GltfFile", "Numbers", "bytes_of_uri", "member", "read_gltf", "table_of"]
 
 _MAGIC = b"glTF"  # first bytes of a .glb file
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _MOST_BYTES = 1 << 40  # of any length or offset in a file
 _MOST_ZEROS = 10_000_000  # items of an accessor that has no buffer view: it takes no room in the file
+_MESHOPT = "EXT_meshopt_compression"
 
 
 @dataclass(frozen=True, eq=False)
 class GltfFile:
-    """A file's header, and what comes before and behind it in a GLB file (no bytes in a glTF file)."""
+    """A file's header, and the binary chunk of a GLB file (no bytes in a glTF file)."""
 
     header: dict[str, Any]
-    start: bytes
-    rest: bytes
-
-    def with_header(self, header: dict[str, Any]) -> bytes:
-        """The file's bytes with another header."""
-        text = json.dumps(header).encode()
-        if not self.start:
-            return text
-        text += b" " * (-len(text) % 4)  # chunks end at multiples of four bytes, [1] 4.4
-        sizes = (20 + len(text) + len(self.rest)).to_bytes(4, "little") + len(text).to_bytes(4, "little")
-        return self.start + sizes + b"JSON" + text + self.rest
+    binary: bytes
 
 
-def read_gltf(path: Path) -> GltfFile:
-    """Read a .gltf or .glb file; what is no such file raises a ValueError."""
-    data, start, rest = path.read_bytes(), b"", b""
+def read_gltf(data: bytes) -> GltfFile:
+    """Take a .gltf or .glb file apart; what is no such file raises a ValueError.
+
+    Raises
+    ------
+    InputError
+        If it is of another version than 2.
+    """
+    binary = b""
     if data[:4] == _MAGIC:
+        container = int.from_bytes(data[4:8], "little")
+        if container != 2:
+            raise InputError(f"it is a GLB file of version {container}; allowed is 2")
         if data[16:20] != b"JSON":
             raise ValueError("the first chunk is not JSON")
         end = 20 + int.from_bytes(data[12:16], "little")
-        start, data, rest = data[:8], data[20:end], data[end:]
-    header = json.loads(data)
+        length = int.from_bytes(data[end : end + 4], "little")
+        if data[end + 4 : end + 8] == b"BIN\0":
+            binary = data[end + 8 : end + 8 + length]
+        data = data[20:end]
+    header = json.loads(data.decode("utf-8-sig"))
     if not isinstance(header, dict):
         raise ValueError("the header is not an object")
-    return GltfFile(header, start, rest)
+    for key in ("minVersion", "version"):
+        version = str(table_of(header, "asset").get(key, "2.0"))
+        if version.partition(".")[0] != "2" or (key == "minVersion" and version != "2.0"):
+            raise InputError(f"asset: {key} is {version[:20]}; allowed is 2.0")
+    return GltfFile(header, binary)
+
+
+def table_of(holder: dict[str, Any], key: str) -> dict[str, Any]:
+    """The object `key` of another; an empty one where there is none."""
+    table = holder.get(key, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{key}: got {type(table).__name__}; allowed is an object")
+    return table
+
+
+def bytes_of_uri(uri: str, fetch: Callable[[str], bytes]) -> bytes:
+    """The bytes of a data URI, or of a file beside."""
+    if not uri.startswith("data:"):
+        return fetch(uri)
+    kind, _, text = uri.partition(",")
+    return base64.b64decode(text) if kind.endswith(";base64") else urllib.parse.unquote_to_bytes(text)
 
 
 def member(header: dict[str, Any], kind: str, index: Any) -> dict[str, Any]:
@@ -72,13 +99,18 @@ def member(header: dict[str, Any], kind: str, index: Any) -> dict[str, Any]:
 class Numbers:
     """The numbers of a file's accessors. `fetch` gives the bytes of a file that lies beside it."""
 
-    def __init__(self, file: GltfFile, fetch: Callable[[str], bytes]) -> None:
-        self._header, self._rest, self._fetch = file.header, file.rest, fetch
+    def __init__(self, file: GltfFile, fetch: Callable[[str], bytes], meter: Meter) -> None:
+        self._header, self._binary, self._fetch, self._meter = file.header, file.binary, fetch, meter
         self._buffers: dict[int, bytes] = {}
+        self._unpacked: dict[int, bytes] = {}
 
-    def floats(self, name: str, accessor: Any, kind: str) -> Float:
-        """(N, columns) float64, finite; integers are made fractions where the file says so."""
-        stored, normalized = self._read(name, accessor, kind)
+    def floats(self, name: str, accessor: Any, kind: str, normalized: bool | None = None) -> Float:
+        """(N, columns) float64, finite; integers are made fractions where the file, or `normalized`, says so."""
+        stored, says = self._read(name, accessor, kind)
+        return self.as_floats(name, stored, says if normalized is None else normalized)
+
+    def as_floats(self, name: str, stored: np.ndarray, normalized: bool) -> Float:
+        """Stored numbers (N, columns) as float64."""
         values = stored.astype(np.float64)
         if normalized and stored.dtype.kind in "ui":
             values = np.maximum(values / np.iinfo(stored.dtype).max, -1.0)  # [1] 3.11
@@ -88,6 +120,23 @@ class Numbers:
         """(N, columns) int64 in 0 .. end - 1."""
         stored, _ = self._read(name, accessor, kind)
         return as_index(name, stored, stored.shape, end=end)
+
+    def view(self, name: str, index: Any) -> bytes:
+        """The bytes of a buffer view."""
+        view = member(self._header, "bufferViews", index)
+        packed = table_of(table_of(view, "extensions"), _MESHOPT)
+        if packed and has_decoder(_MESHOPT):
+            if index not in self._unpacked:
+                self._meter.clock()
+                data = self._part(name, packed)
+                self._unpacked[index] = meshopt_bytes(name, packed, data, self._meter.limits.bytes)
+            return self._unpacked[index]
+        return self._part(name, view)
+
+    def _part(self, name: str, view: dict[str, Any]) -> bytes:
+        """The bytes of a buffer from a byteOffset on, byteLength of them."""
+        begin = _length(f"{name}: byteOffset", view.get("byteOffset", 0))
+        return self._buffer(view.get("buffer"))[begin:][: _length(f"{name}: byteLength", view.get("byteLength"))]
 
     def _read(self, name: str, index: Any, kind: str) -> tuple[np.ndarray, bool]:
         accessor = member(self._header, "accessors", index)
@@ -117,8 +166,7 @@ class Numbers:
         row = dtype.itemsize * columns
         stride = _length(f"{name}: byteStride", view.get("byteStride", row))
         offset = _length(f"{name}: byteOffset", place.get("byteOffset", 0))
-        begin = _length(f"{name}: byteOffset", view.get("byteOffset", 0))
-        data = self._buffer(view.get("buffer"))[begin:][: _length(f"{name}: byteLength", view.get("byteLength"))]
+        data = self.view(name, place.get("bufferView"))
         needed = offset + (count - 1) * stride + row
         if stride < row or needed > len(data):
             raise InputError(f"{name}: needs {needed} bytes, {stride} an item; its part of the file has {len(data)}")
@@ -132,13 +180,7 @@ class Numbers:
             uri = member(self._header, "buffers", index).get("uri")
             if uri is None and index > 0:
                 raise InputError(f"buffers {index}: has no uri; allowed is none for the first, of a GLB file")
-            if uri is None:
-                length = int.from_bytes(self._rest[:4], "little")
-                self._buffers[index] = self._rest[8 : 8 + length] if self._rest[4:8] == b"BIN\0" else b""
-            elif str(uri).startswith("data:"):
-                self._buffers[index] = base64.b64decode(str(uri).partition(",")[2])
-            else:
-                self._buffers[index] = self._fetch(str(uri))
+            self._buffers[index] = self._binary if uri is None else bytes_of_uri(str(uri), self._fetch)
         return self._buffers[index]
 
 

@@ -14,7 +14,7 @@ References
 .. [1] Khronos Group (2021), glTF 2.0 Specification: 3.7 (geometry, skins, morph targets).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -23,9 +23,9 @@ import numpy as np
 from refdof._check import Float, Index, InputError, as_float
 from refdof.scene.animation import FRAMES_PER_SECOND, Animation, Pose
 from refdof.scene.gltf.camera import gltf_camera
-from refdof.scene.gltf.file import GltfFile, Numbers, member
+from refdof.scene.gltf.file import Numbers, member
 from refdof.scene.gltf.keyframes import Channel, channels_of, value_at
-from refdof.scene.gltf.nodes import PATHS, Tree, matrix_of, tree_of
+from refdof.scene.gltf.nodes import PATHS, Tree, matrix_of
 from refdof.scene.smooth_normals import mean_normals, shared_normals
 
 __all__ = ["Limb", "Rig", "animation_of", "is_rigged", "read_rig", "turned_normals"]
@@ -80,17 +80,15 @@ def is_rigged(header: dict[str, Any]) -> bool:
     return any("targets" in p for mesh in header.get("meshes", []) for p in mesh.get("primitives", []))
 
 
-def read_rig(file: GltfFile, fetch: Callable[[str], bytes]) -> Rig:
-    """Read a file's tree of nodes and its first animation.
+def read_rig(header: dict[str, Any], numbers: Numbers, tree: Tree) -> Rig:
+    """Read a file's first animation.
 
     Raises
     ------
     InputError
-        If nodes are no trees, or the animation is not as the specification demands.
+        If the animation is not as the specification demands.
     """
-    numbers = Numbers(file, fetch)
-    tree = tree_of(file.header)
-    return Rig(file.header, numbers, tree, channels_of(file.header, numbers))
+    return Rig(header, numbers, tree, channels_of(header, numbers))
 
 
 def animation_of(rig: Rig, limbs: Sequence[Limb]) -> Animation:
