@@ -135,15 +135,19 @@ def _map(key: str, text: str, folder: str, reading: Reading) -> _Map:
     name = text.split(None, len(text.split()) - len(words))[-1].strip().strip('"') if words else ""
     picture = None
     try:
+        if not name:
+            raise FileNotFoundError
         path = reading.beside.find(name, folder)
         picture = reading.pictures.get(path, name, reading.beside.get(name, folder))
-    except FileNotFoundError:
-        pass  # it is told as missing
+    except FileNotFoundError:  # it is told as missing
+        if not name:
+            reading.leave_out(f"the picture of {key}", "it has no name")
     scale, offset = np.ones(2), np.zeros(2)
     for target, option in ((scale, "-s"), (offset, "-o")):
         given = options.get(option, [])[:2]
         target[: len(given)] = given
-    base, gain = [*options.get("-mm", []), *(0.0, 1.0)[len(options.get("-mm", [])) :]]
+    graded: list[float] = options.get("-mm", [])
+    base, gain = [*graded, *(0.0, 1.0)[len(graded) :]]
     channel = str(options.get("-imfchan", ""))
     return _Map(picture, scale, offset, options.get("-clamp") == "on", (base, gain), channel)
 

@@ -44,6 +44,9 @@ def read_obj(data: bytes, reading: Reading) -> list[Surface]:
     places = as_float("v", lines.rows("v", 3), (None, 3), dtype=np.float64)
     as_index("f", corner[:, 0], (None,), end=len(places))
     for column, kind in ((1, "vt"), (2, "vn")):
+        if (corner[:, column] >= 0).any() and not lines.table[kind]:
+            reading.leave_out(kind, "faces name some, and the file has none")
+            corner[:, column] = -1
         as_index(f"f, {kind}", np.maximum(corner[:, column], 0), (None,), end=max(1, len(lines.table[kind])))
     triangle, polygon = triangles_of(places, sizes, corner[used, 0])
     material = np.array(lines.material, dtype=np.int64)[polygon]

@@ -45,7 +45,6 @@ def read_ply(data: bytes, reading: Reading) -> list[Surface]:
         raise InputError("it has no vertices with x, y and z")
     places = as_float("vertices", places, (None, 3))
     names = [name for name in _LISTS if name in face.lists]
-    faces: Index
     source: Index | None = None
     polygon: Index | None = None
     if "tristrips" in tables and not (names and len(face.lists[names[0]].sizes)):
@@ -72,11 +71,11 @@ def _faces(lists: Ragged, places: Float, reading: Reading) -> tuple[Index, Index
 def _strips(lists: Ragged, count: int) -> Index:
     """Triangles of strips, which -1 ends; every second one is turned."""
     ends = np.cumsum(lists.sizes.astype(np.int64))
-    found = [np.zeros((0, 3), dtype=np.int64)]
+    found: list[Index] = [np.zeros((0, 3), dtype=np.int64)]
     for begin, end in zip(np.concatenate([[0], ends[:-1]]), ends, strict=True):
         items = lists.items[begin:end].astype(np.int64)
-        for strip in np.split(items, np.flatnonzero(items == -1)):
-            strip = as_index("tristrips", strip[strip != -1], (None,), end=count)
+        for piece in np.split(items, np.flatnonzero(items == -1)):
+            strip = as_index("tristrips", piece[piece != -1], (None,), end=count)
             k = np.arange(max(len(strip) - 2, 0))
             odd = k % 2
             found.append(np.stack([strip[k], strip[k + 1 + odd], strip[k + 2 - odd]], axis=1))
@@ -108,7 +107,8 @@ def _surfaces(
     if own:  # every triangle gets corners of its own
         corner = faces.ravel()
         columns = {name: own.get(name, None if values is None else values[corner]) for name, values in columns.items()}
-        places, faces = places[corner], np.arange(len(corner)).reshape(-1, 3)
+        places = places[corner]
+        faces = np.arange(len(corner), dtype=np.int64).reshape(-1, 3)
     number = face.scalars.get("texnumber")
     which = np.zeros(len(faces)) if number is None or polygon is None or not len(textures) > 1 else number[polygon]
     pictures = {k: _picture(textures[int(k)], reading) if 0 <= k < len(textures) else None for k in set(which.tolist())}

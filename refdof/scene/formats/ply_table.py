@@ -6,7 +6,7 @@ References
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -233,7 +233,7 @@ class _Bytes(_Stream):
         rows = np.frombuffer(self._data, dtype, element.count, self._at)
         found: list = []
         for k, (item, length) in enumerate(zip(element.properties, lengths, strict=True)):
-            values = rows[f"v{k}"].astype(np.float64)
+            values: Any = rows[f"v{k}"].astype(np.float64)
             if item.length:
                 if (rows[f"n{k}"] != length).any():
                     return None
