@@ -69,13 +69,17 @@ class Meter:
 
     def picture(self, width: int, height: int) -> None:
         """Count a picture; one that is too large raises a ValueError, as broken ones do."""
+        self.check(width, height)
+        self._pixels += width * height
+
+    def check(self, width: int, height: int) -> None:
+        """The same without counting it."""
         self.clock()
         name = "pixels" if width * height > self.limits.pixels else "total_pixels"
         most = getattr(self.limits, name)
         if width * height > self.limits.pixels or self._pixels + width * height > most:
             before = f" after {self._pixels} of others" if name == "total_pixels" else ""
             raise ValueError(f"{width} x {height} pixels{before}; allowed are at most {most:.0f}, the limit {name}")
-        self._pixels += width * height
 
     def triangles(self, count: int) -> None:
         """Count triangles."""
@@ -88,6 +92,10 @@ class Meter:
         self.clock()
         self._instances += count
         _hold("instances", self._instances, self.limits.instances)
+
+    def check_instances(self, count: int) -> None:
+        """So many more may be placed."""
+        _hold("instances", self._instances + count, self.limits.instances)
 
     def bytes(self, what: str, count: int) -> None:
         """A file, or what is unpacked from one, has so many bytes."""

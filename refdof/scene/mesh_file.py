@@ -185,7 +185,7 @@ def _read_gltf(file: GltfFile, reading: Reading) -> tuple[list[Part], list[Limb]
     for name in left_out_extensions(header):
         reading.leave_out(f"the extension {name}")
     numbers = Numbers(file, reading.beside.get, reading.meter)
-    reading.meter.instances(0 if not isinstance(header.get("nodes"), list) else len(header["nodes"]))
+    reading.meter.instances(len(header.get("nodes", ())))
     tree = tree_of(header)
     rig = read_rig(header, numbers, tree) if is_rigged(header) else None
     placed = read_placed(header, numbers, tree, reading)

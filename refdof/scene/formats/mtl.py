@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refdof._check import Float, InputError, as_float
-from refdof.scene.formats.pictures import Picture
+from refdof.scene.formats.pictures import Picture, encode_srgb
 from refdof.scene.formats.reading import GREY, SPECULAR, WHITE, Reading
 from refdof.scene.formats.text import lines_of
 from refdof.scene.material import Material
@@ -196,7 +196,9 @@ def _channel(clear: _Map) -> Float:
     picture = clear.picture
     assert picture is not None
     opaque = picture.opacity is None
-    return picture.value if opaque or clear.channel in ("r", "l") else picture.opacity  # type: ignore[return-value]
+    if opaque or clear.channel in ("r", "l"):
+        return encode_srgb(picture.color[:, :, 0]).astype(np.float32)  # as it is stored
+    return picture.opacity  # type: ignore[return-value]
 
 
 def _graded(values: Float, base_gain: tuple[float, float]) -> Float:

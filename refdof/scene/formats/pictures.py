@@ -11,10 +11,10 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from refdof._check import Float
-from refdof.scene.formats.png16 import depth_of_png, read_png16
+from refdof.scene.formats.png16 import depth_of_png, read_png16, refuse_lies
 from refdof.scene.limits import Meter
 
-__all__ = ["Picture", "Pictures", "decode_srgb"]
+__all__ = ["Picture", "Pictures", "decode_srgb", "encode_srgb"]
 
 _BROKEN = (OSError, ValueError, SyntaxError, MemoryError, zlib.error)  # what Pillow and others raise
 
@@ -24,7 +24,6 @@ class Picture(NamedTuple):
 
     color: Float  # (h, w, 3) float32, linear RGB
     opacity: Float | None  # (h, w) float32
-    value: Float  # (h, w) float32 in 0 .. 1: the red channel as it is stored
 
 
 class Pictures:
@@ -62,9 +61,12 @@ class Pictures:
 
     def _read(self, data: bytes) -> Picture:
         depth = depth_of_png(data)
-        if depth is not None and depth[2] == 16:
-            self._meter.picture(*depth[:2])
-            return _picture(read_png16(data))
+        if depth is not None:
+            self._meter.check(*depth[:2])
+            refuse_lies(data)
+            if depth[2] == 16:
+                self._meter.picture(*depth[:2])
+                return _picture(read_png16(data))
         largest, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # the limit is the meter's
         try:
             with Image.open(io.BytesIO(data)) as image:
@@ -85,11 +87,19 @@ def _stored(image: Any) -> np.ndarray:
 def _picture(stored: np.ndarray) -> Picture:
     most = np.iinfo(stored.dtype).max
     shares = np.arange(most + 1) / most
-    color = decode_srgb(shares).astype(np.float32)[stored[:, :, :3]]
+    table = decode_srgb(shares).astype(np.float32)
+    color = np.empty((*stored.shape[:2], 3), dtype=np.float32)
+    for row, values in zip(color, stored, strict=True):  # a whole picture at once takes twice the memory
+        np.take(table, values[:, :3], out=row)
     opacity = None
     if stored.shape[2] == 4 and (stored[:, :, 3] < most).any():
         opacity = shares.astype(np.float32)[stored[:, :, 3]]
-    return Picture(color, opacity, shares.astype(np.float32)[stored[:, :, 0]])
+    return Picture(color, opacity)
+
+
+def encode_srgb(linear: Float) -> Float:
+    """The inverse of `decode_srgb`."""
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
 
 
 def decode_srgb(encoded: Float) -> Float:

@@ -16,9 +16,10 @@ import numpy as np
 
 from refdof._jit import kernel
 
-__all__ = ["depth_of_png", "read_png16"]
+__all__ = ["depth_of_png", "read_png16", "refuse_lies"]
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_MOST_RATIO = 1032  # of bytes that deflate unpacks to one
 _CHANNELS = {0: 1, 2: 3, 4: 2, 6: 4}  # by colour type: grey, RGB, grey and alpha, RGBA
 # First column and row, and steps, of each pass, [1] 8.2.
 _PASSES = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
@@ -32,9 +33,18 @@ def depth_of_png(data: bytes) -> tuple[int, int, int] | None:
     return width, height, depth
 
 
+def refuse_lies(data: bytes) -> None:
+    """Raise a ValueError if a PNG file is too small for what its header says: it would be made up as zeros."""
+    width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
+    needed = height * (width * _CHANNELS.get(kind, 1) * depth // 8)
+    if needed > _MOST_RATIO * len(data):
+        raise ValueError(f"it has {len(data)} bytes; its header says {width} x {height} pixels of {depth} bits")
+
+
 def read_png16(data: bytes) -> np.ndarray:
     """(h, w, 3 or 4) uint16, as stored; what is no such file raises a ValueError."""
     width, height, depth, kind, _, _, interlaced = struct.unpack(">IIBBBBB", data[16:29])
+    refuse_lies(data)
     if depth != 16 or kind not in _CHANNELS or interlaced > 1 or not width * height:
         raise ValueError(f"a PNG file of {depth} bits, kind {kind}; allowed are 16 bits of kinds 0, 2, 4, 6")
     channels = _CHANNELS[kind]

@@ -72,6 +72,8 @@ def _found(
     header: dict[str, Any], kind: str, local: Sequence[Float] | None = None
 ) -> tuple[Float, dict[str, Any]] | None:
     """World from camera (4, 4), and what the file says of its first camera of a kind."""
+    if not header.get("cameras"):
+        return None
     try:
         roots = header["scenes"][header.get("scene", 0)].get("nodes", [])
         with np.errstate(all="ignore"):  # transforms may hold any numbers; `Camera` judges what comes out

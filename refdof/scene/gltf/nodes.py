@@ -63,6 +63,8 @@ def matrix_of(node: dict[str, Any]) -> Float:
     """(4, 4) parent from node as the file has it: a matrix stored by columns, or its three parts, [1] 3.5.3."""
     if "matrix" in node:
         return as_float("matrix", node["matrix"], (16,), dtype=np.float64).reshape(4, 4).T
+    if not any(path in node for path in PATHS):
+        return np.eye(4)
     return local_matrix(*(as_float(p, node.get(p, rest), (len(rest),), dtype=np.float64) for p, rest in PATHS.items()))
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError
+from refdof._check import Float, Index, InputError, as_integer
 from refdof.scene.formats.reading import Reading, Surface
 from refdof.scene.gltf.file import Numbers, member, table_of
 from refdof.scene.gltf.materials import Materials
@@ -40,7 +40,6 @@ def read_placed(header: dict[str, Any], numbers: Numbers, tree: Tree, reading: R
     InputError
         If something is not as the specification demands, or there is more than the limits allow.
     """
-    reading.meter.instances(len(tree.parent))
     materials = Materials(header, numbers, reading)
     made: dict[tuple[int, int], Surface | None] = {}
     found = []
@@ -48,9 +47,9 @@ def read_placed(header: dict[str, Any], numbers: Numbers, tree: Tree, reading: R
         node = member(header, "nodes", index)
         if "mesh" not in node:
             continue
-        copies = _copies(numbers, node, index)
-        count = 1 if copies is None else len(copies)
         primitives = member(header, "meshes", node["mesh"]).get("primitives", [])
+        copies = _copies(header, numbers, node, index, reading)
+        count = 1 if copies is None else len(copies)
         reading.meter.instances(count * len(primitives) - 1)
         for k, primitive in enumerate(primitives):
             key = (node["mesh"], k)
@@ -84,13 +83,18 @@ def _drawn(header: dict[str, Any], tree: Tree) -> list[int]:
     return [index for index in tree.order if state[index] and not hidden[index]]
 
 
-def _copies(numbers: Numbers, node: dict[str, Any], index: int) -> Float | None:
+def _copies(
+    header: dict[str, Any], numbers: Numbers, node: dict[str, Any], index: int, reading: Reading
+) -> Float | None:
     """(N, 4, 4) of the node's own instances; None if it has none."""
     attributes = table_of(table_of(table_of(node, "extensions"), _INSTANCES), "attributes")
     read = {path: attributes[path.upper()] for path in PATHS if path.upper() in attributes}
     if not read:
         return None
     name = f"nodes {index}, {_INSTANCES}"
+    for path, accessor in read.items():
+        count = as_integer(f"{name}: {path}: count", member(header, "accessors", accessor).get("count"), minimum=1)
+        reading.meter.check_instances(count)
     values = {
         path: numbers.floats(f"{name}: {path}", accessor, f"VEC{len(PATHS[path])}", path == "rotation")
         for path, accessor in read.items()
