@@ -97,10 +97,7 @@ def load_mesh(
         reading.meter.bytes(path.name, path.stat().st_size)
         data = path.read_bytes()
         file = read_gltf(data) if _suffix(path) in _GLTF else None
-        with warnings.catch_warnings():
-            # NumPy's word for garbage between numbers; what follows would be lost in silence.
-            warnings.filterwarnings("error", message="string or file could not be read")
-            parts, limbs, rig = _read(path, data, reading) if file is None else _read_gltf(file, reading)
+        parts, limbs, rig = _read(path, data, reading) if file is None else _read_gltf(file, reading)
         # The shot follows from the scene, so a stand-in comes first.
         camera, lens = Camera((0, 0, 1), (0, 0, 0)), ThinLens(0.0, 1.0)
         scene = Scene.from_parts(path.stem, parts, camera, lens, background)
@@ -184,6 +181,10 @@ def _read_gltf(file: GltfFile, reading: Reading) -> tuple[list[Part], list[Limb]
     header = file.header
     for name in left_out_extensions(header):
         reading.leave_out(f"the extension {name}")
+    if len(header.get("animations", ())) > 1:
+        reading.leave_out("animations but the first")
+    if sum("camera" in node for node in header.get("nodes", ())) > 1:
+        reading.leave_out("cameras but the first perspective one")
     numbers = Numbers(file, reading.beside.get, reading.meter)
     reading.meter.instances(len(header.get("nodes", ())))
     tree = tree_of(header)

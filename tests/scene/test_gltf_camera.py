@@ -53,8 +53,10 @@ def test_an_orthographic_camera_is_refused_by_name(tmp_path):
 def test_a_perspective_camera_beside_an_orthographic_one_is_taken(tmp_path):
     text = gltf([{"mesh": 0}, {"camera": 0}, {"camera": 1}], cameras=[ORTHOGRAPHIC, CAMERA])
     path = write(tmp_path, "a.gltf", text)
-    assert load_mesh(path).camera.fov_y == pytest.approx(90.0, rel=1e-12)
-    assert load_mesh(path, file_camera=False).camera.fov_y != pytest.approx(90.0)
+    with pytest.warns(UserWarning, match="left out: cameras but the first perspective one"):
+        assert load_mesh(path).camera.fov_y == pytest.approx(90.0, rel=1e-12)
+    with pytest.warns(UserWarning, match="left out: cameras but the first"):
+        assert load_mesh(path, file_camera=False).camera.fov_y != pytest.approx(90.0)
 
 
 def test_an_orthographic_camera_of_another_scene_does_not_count(tmp_path):

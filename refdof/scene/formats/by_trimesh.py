@@ -2,6 +2,7 @@
 
 import io
 import logging
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,11 @@ def trimesh_kinds() -> list[str]:
 
 def read_by_trimesh(path: Path, data: bytes, kind: str, reading: Reading) -> list[Surface]:
     """The surfaces of a file, in world space; whatever its parser meets is raised."""
-    loaded = trimesh.load_scene(io.BytesIO(data), kind, _Resolver(path, reading), process=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        # NumPy's word for garbage between numbers; what follows would be lost in silence.
+        warnings.filterwarnings("error", message="string or file could not be read")
+        loaded = trimesh.load_scene(io.BytesIO(data), kind, _Resolver(path, reading), process=False)
     found = []
     for node in loaded.graph.nodes_geometry:
         world, name = loaded.graph[node]

@@ -51,6 +51,11 @@ def read_primitive(
     if "POSITION" not in attributes:
         reading.leave_out(name, "it has no POSITION")
         return None
+    if "COLOR_1" in attributes:
+        reading.leave_out("sets of colours but the first")
+    for target in primitive.get("targets", ()):
+        for key in set(target) - {"POSITION", "NORMAL", "TANGENT"}:
+            reading.leave_out(f"morph targets of {key[:40]}")
     values, order = _attributes(header, numbers, primitive, attributes, name)
     places = values["POSITION"]
     if order is None:
