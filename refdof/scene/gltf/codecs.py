@@ -70,39 +70,12 @@ def meshopt_bytes(name: str, says: dict[str, Any], data: bytes, most: float) -> 
             rows = unpack(count, 4, data).astype("<u2" if stride == 2 else "<u4")
     except (RuntimeError, ValueError) as error:
         raise InputError(f"{name}: meshopt cannot unpack it ({' '.join(str(error).split())[:80]})") from None
-    return _filtered(chosen, rows.tobytes(), count, stride)
-
-
-def _filtered(kind: str, data: bytes, count: int, stride: int) -> bytes:
-    """Undo a filter, [1]."""
-    if kind == "NONE":
-        return data
-    if kind == "EXPONENTIAL":  # 8 bits of exponent, 24 of a signed mantissa
-        words = np.frombuffer(data, dtype="<i4")
-        with np.errstate(over="ignore"):
-            return np.ldexp(((words << 8) >> 8).astype(np.float64), words >> 24).astype("<f4").tobytes()
-    if stride not in ((4, 8) if kind == "OCTAHEDRAL" else (8,)):
-        raise InputError(f"a filter of meshopt: got {kind} of {stride} bytes; allowed are 4 or 8, or 8 for QUATERNION")
-    stored = np.frombuffer(data, dtype="i1" if stride == 4 else "<i2").reshape(count, 4)
-    values = stored.astype(np.float64)
-    most = float(np.iinfo(stored.dtype).max)
-    out = stored.copy()
-    if kind == "OCTAHEDRAL":
-        one = np.where(values[:, 2] == 0, 1.0, values[:, 2])
-        x, y = values[:, 0] / one, values[:, 1] / one
-        z = 1.0 - abs(x) - abs(y)
-        fold = np.minimum(z, 0.0)
-        normal = np.stack([x + np.where(x >= 0, fold, -fold), y + np.where(y >= 0, fold, -fold), z], axis=1)
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-        out[:, :3] = np.rint(normal * most)
-        return out.tobytes()
-    # Three parts of a quaternion, and in the fourth number their scale and which one is missing.
-    scale = np.sqrt(0.5) / (stored[:, 3] | 3).astype(np.float64)
-    parts = values[:, :3] * scale[:, None]
-    missing = np.sqrt(np.maximum(0.0, 1.0 - (parts**2).sum(axis=1)))
-    largest = stored[:, 3] & 3
-    rows = np.arange(count)
-    for k in range(3):
-        out[rows, (largest + 1 + k) % 4] = np.rint(parts[:, k] * most)
-    out[rows, largest] = np.rint(missing * most)
-    return out.tobytes()
+    strides = {"OCTAHEDRAL": (4, 8), "QUATERNION": (8,)}.get(chosen, (stride,))
+    if stride not in strides:
+        raise InputError(f"{name}: byteStride is {stride} for {chosen}; allowed are {', '.join(map(str, strides))}")
+    undo = {
+        "OCTAHEDRAL": decoder.decode_filter_oct,
+        "QUATERNION": decoder.decode_filter_quat,
+        "EXPONENTIAL": decoder.decode_filter_exp,
+    }
+    return (undo[chosen](rows, count, stride) if chosen in undo else rows).tobytes()
