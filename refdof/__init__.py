@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from refdof.optics.systems.system_lens import SystemLens
     from refdof.rendering import Result, render
     from refdof.scene.builtin import SCENES
+    from refdof.scene.limits import Limits
     from refdof.scene.load import load_scene
     from refdof.scene.material import Light, Material
     from refdof.scene.scene import Part, Scene
@@ -48,6 +49,7 @@ __all__ = [
     "InputError",
     "LensSystem",
     "Light",
+    "Limits",
     "Material",
     "Part",
     "Reference",
@@ -77,6 +79,7 @@ _HOMES = {
     "InputError": "_check",
     "LensSystem": "optics.systems.system",
     "Light": "scene.material",
+    "Limits": "scene.limits",
     "METHODS": "methods",
     "Material": "scene.material",
     "Part": "scene.scene",

@@ -19,6 +19,8 @@ from refdof.options import (
     Eye,
     Focus,
     Fov,
+    Limit,
+    NoFileCamera,
     Radius,
     Settings,
     Size,
@@ -33,7 +35,7 @@ from refdof.options import (
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
-from refdof.shot import CameraChoice, LensChoice, scene_camera_lens
+from refdof.shot import CameraChoice, FileChoice, LensChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_explain"]
@@ -78,6 +80,8 @@ def explain(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     threads: Threads = None,
@@ -97,7 +101,7 @@ def explain(
         refuse_ignored(
             "with a case, which has its own", "with a scene",
             method=method, set=settings, preset=preset, size=size, eye=eye, target=target, up=up, fov=fov,
-            lens_radius=lens_radius, focus=focus,
+            lens_radius=lens_radius, focus=focus, limit=limit, no_file_camera=no_file_camera,
         )  # fmt: skip
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
@@ -105,7 +109,8 @@ def explain(
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
-        view = View(*scene_camera_lens(case, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius, focus)))
+        seen, lens = CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius, focus)
+        view = View(*scene_camera_lens(case, seen, lens, FileChoice(limit, no_file_camera)))
         found = explain_view(method, view, params, place, stage)
     if out is not None:
         _write(out, found)

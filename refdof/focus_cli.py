@@ -16,6 +16,8 @@ from refdof.options import (
     AsJson,
     Eye,
     Fov,
+    Limit,
+    NoFileCamera,
     Preset,
     Radius,
     Settings,
@@ -29,7 +31,7 @@ from refdof.options import (
 )
 from refdof.progress import progress_line
 from refdof.rendering import make_params, render_view
-from refdof.shot import CameraChoice, LensChoice, scene_camera_lens
+from refdof.shot import CameraChoice, FileChoice, LensChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_focus"]
@@ -54,12 +56,16 @@ def pick(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     frame: Annotated[int, typer.Option("--frame", metavar="N", help="Frame of an animated scene, 24 a second.")] = 0,
     name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Print the focus point under a pixel, ready for a focus.toml."""
-    shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov)))
+    shot = View(
+        *scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), file=FileChoice(limit, no_file_camera))
+    )
     view = shot.at_frame(as_number("frame", frame, minimum=0))
     point = pick_point(view, pixel_of(pixel), name)
     if as_json:
@@ -87,6 +93,8 @@ def focus(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     threads: Threads = None,
     as_json: AsJson = False,
@@ -103,7 +111,8 @@ def focus(
     params = settings_of(settings or [])
     make_params(method, params, preset)
     wanted = load_focus(points, "points")
-    shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius)))
+    seen, file = CameraChoice(size, eye, target, up, fov), FileChoice(limit, no_file_camera)
+    shot = View(*scene_camera_lens(scene, seen, LensChoice(lens_radius), file))
     names = []
     with progress_line(f"{scene}: compiling") as tell, atomic_folder(out) as temporary:
         for frame in range(first, end):

@@ -30,8 +30,10 @@ from refdof.options import (
     FocusPoints,
     Fov,
     Lens,
+    Limit,
     MethodSettings,
     Most,
+    NoFileCamera,
     NoVignetting,
     Preset,
     Probes,
@@ -58,7 +60,7 @@ from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.scene.builtin import SCENES
-from refdof.shot import CameraChoice, LensChoice, lens_of_points, scene_camera_lens
+from refdof.shot import CameraChoice, FileChoice, LensChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import samples_taken
 from refdof.truth.tile_sampler import power_of_two
@@ -88,6 +90,8 @@ def render(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -125,7 +129,7 @@ def render(
     compiling = "" if is_warm([job_of(method, preset)]) else ", compiling what was not used before"
     with progress_line(f"{scene}: scene{compiling}") as tell:
         with warming_up([(method, preset)] if scene in SCENES else []):
-            loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+            loaded, camera, lens = scene_camera_lens(scene, seen, chosen, FileChoice(limit, no_file_camera))
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         tell(f"{scene}: {method}{compiling}", 0, 0)
         result = render_view(method, view, wanted if stages is not None else False, preset, **params)
@@ -156,6 +160,8 @@ def export(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -181,7 +187,7 @@ def export(
     seen = CameraChoice(size, eye, target, up, fov)
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
     with progress_line(f"{scene}: scene") as tell:
-        loaded, camera, lens = scene_camera_lens(scene, seen, chosen)
+        loaded, camera, lens = scene_camera_lens(scene, seen, chosen, FileChoice(limit, no_file_camera))
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         tell(f"{scene}: layers and {', '.join(names) or 'no method'}", 0, 0)
         export_view(view, out, names, params, layers, wanted)
@@ -208,6 +214,8 @@ def compare(
     target: Target = None,
     up: Up = None,
     fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
     lens_file: Lens = None,
@@ -246,7 +254,7 @@ def compare(
             tell(f"{name}: scene", 1000 * number, 1000 * len(wanted))
             share = overall(tell, name, number, len(wanted))
             with warming_up(soon if name in SCENES and not comparisons else []):
-                scene, camera, lens = scene_camera_lens(name, seen, chosen)
+                scene, camera, lens = scene_camera_lens(name, seen, chosen, FileChoice(limit, no_file_camera))
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce))

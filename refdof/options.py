@@ -23,8 +23,10 @@ __all__ = [
     "FocusPoints",
     "Fov",
     "Lens",
+    "Limit",
     "MethodSettings",
     "Most",
+    "NoFileCamera",
     "NoVignetting",
     "Preset",
     "Probes",
@@ -99,6 +101,15 @@ NoVignetting = Annotated[
 FocusPoints = Annotated[
     Path | None,
     typer.Option("--focus-points", metavar="FILE", help="A focus.toml, whose points the lens follows: `refdof pick`."),
+]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--limit", metavar="NAME=NUMBER", help="Most that reading a file may take: pixels=1e9. Repeatable."
+    ),
+]
+NoFileCamera = Annotated[
+    bool | None, typer.Option("--no-file-camera", help="Suggest a shot even if a glTF file has a camera of its own.")
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
 _SAMPLES = 256

@@ -13,11 +13,12 @@ from refdof.optics.systems.paraxial import entrance_pupil
 from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system_lens import SystemLens
 from refdof.options import listed, refuse_ignored
+from refdof.scene.limits import Limits
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.view import View
 
-__all__ = ["CameraChoice", "LensChoice", "lens_of_points", "scene_camera_lens"]
+__all__ = ["CameraChoice", "FileChoice", "LensChoice", "lens_of_points", "scene_camera_lens"]
 
 _PLACES = ("eye", "target", "up")
 
@@ -52,8 +53,20 @@ class LensChoice:
     no_vignetting: bool | None = None
 
 
+@dataclass(frozen=True)
+class FileChoice:
+    """How a mesh file is read, as options have it."""
+
+    limit: list[str] | None = None
+    no_file_camera: bool | None = None
+
+    def load(self, name: str) -> Scene:
+        """The scene of a name or file."""
+        return load_scene(name, limits=Limits().with_words(self.limit or []), file_camera=not self.no_file_camera)
+
+
 def scene_camera_lens(
-    name: str, camera: CameraChoice, lens: LensChoice = LensChoice()
+    name: str, camera: CameraChoice, lens: LensChoice = LensChoice(), file: FileChoice = FileChoice()
 ) -> tuple[Scene, Camera, ThinLens]:
     """Load a scene and put the options over its suggested shot.
 
@@ -72,7 +85,7 @@ def scene_camera_lens(
     else:
         refuse_ignored("with --lens, which sets it", "without it", fov=camera.fov)
     system = None if lens.file is None else load_lens(lens.file)
-    scene = load_scene(name)
+    scene = file.load(name)
     try:
         seen = replace(scene.camera, **parts)
         thin = replace(

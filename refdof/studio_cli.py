@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from refdof._check import InputError, as_integer
-from refdof.options import Threads
-from refdof.scene.load import load_scene
+from refdof.options import Limit, NoFileCamera, Threads
+from refdof.shot import FileChoice
 
 __all__ = ["add_studio"]
 
@@ -28,6 +28,8 @@ def studio(
     ] = _DEFAULT_SCENE,
     port: Annotated[int, typer.Option("--port", help="Port on 127.0.0.1; 0 is a free one.")] = 0,
     no_open: Annotated[bool, typer.Option("--no-open", help="Print the page's URL only; open no browser.")] = False,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
     threads: Threads = None,
 ) -> None:
     """Open a scene in the browser: click to focus.
@@ -48,6 +50,6 @@ def studio(
         if not no_open:
             webbrowser.open(url)
 
-    if not serve(load_scene(scene), scene, Path.cwd(), port, threads, ready):
+    if not serve(FileChoice(limit, no_file_camera).load(scene), scene, Path.cwd(), port, threads, ready):
         sys.stdout.flush()
         os._exit(0)  # without waiting for what compiles: all files are closed

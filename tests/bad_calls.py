@@ -40,6 +40,7 @@ from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.rasterize import rasterize
 from refdof.raster.rays import umbra
 from refdof.rendering import make_params, render_view
+from refdof.scene.limits import Limits
 from refdof.scene.load import load_scene
 from refdof.scene.mesh_file import load_mesh
 from refdof.stages import StageRecorder
@@ -249,12 +250,19 @@ DOORS: dict[str, Door] = {
     "refdof.optics.systems.system_lens.SystemLens.seen_by": Door(
         SystemLens(load_lens("biconvex"), 3.0).seen_by, {"camera": CAMERA}
     ),
+    "refdof.scene.limits.Limits": Door(Limits, {f.name: getattr(Limits(), f.name) for f in fields(Limits)}),
+    "refdof.scene.limits.Limits.with_words": Door(Limits().with_words, {"words": ["pixels=1e9"]}, {"words": ("limit",)}),
     "refdof.scene.load.load_scene": Door(
-        load_scene, {"name": "triangle.obj", "shading": None, "background": None}, {"name": ("scene",)}
+        load_scene,
+        {"name": "triangle.obj", "shading": None, "background": None, "limits": Limits(), "file_camera": True},
+        {"name": ("scene",)},
     ),
     "refdof.scene.mesh_file.load_mesh": Door(
         load_mesh,
-        {"path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0)},
+        {
+            "path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0), "limits": Limits(),
+            "file_camera": True,
+        },
         {"path": ("scene",)},
     ),
     "refdof.methods.cascaded.method.blur_buffers": Door(
@@ -588,7 +596,7 @@ INNER_MODULES = {
     "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
-    "scene.builtin", "scene.beside", "scene.looks",
+    "scene.builtin", "scene.beside", "scene.formats",
     "scene.animation", "scene.gltf", "scene.kit", "scene.lens_chart", "scene.smooth_normals",
     "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
@@ -614,6 +622,7 @@ INNER = {
     "refdof.image.display.levels",
     "refdof.metrics.perceptual.flip_processes",
     "refdof.metrics.scores_of_many",
+    "refdof.scene.limits.Meter",
     "refdof.scene.material.as_colors",
     "refdof.scene.material.as_opacity",
     "refdof.image.display.encode",
@@ -744,7 +753,7 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(("scene.builtin.", "scene.gltf.", "scene.kit.", "report.", "oracle.", "data")):
+        if short.startswith(("scene.builtin.", "scene.formats.", "scene.gltf.", "scene.kit.", "report.", "oracle.", "data")):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

@@ -42,6 +42,7 @@ REFUSED = [
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
         ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
         ("focus", "0"), ("eye", "0,0,9"), ("target", "0,1,0"), ("up", "0,0,1"), ("fov", "30"),
+        ("limit", "pixels=9"), ("no-file-camera", None),
     )),
     *((["check", "--pack", ".", *how], "given", "size", "without --impl") for how in (RESULTS, SHADER)),
     *(([command, "--pack", ".", *how], "bindings", "x.toml", "without --shader")
@@ -61,18 +62,21 @@ TWICE = [
 HEEDED = {
     "scenes": "json",
     "methods": "json",
-    "render": "method output set preset size eye target up lens-radius focus-points seed samples stages threads json",
-    "export": "out methods set layers size eye target up lens-radius focus-points threads json",
-    "compare": "methods out set preset size eye target up lens-radius focus-points seed tolerance threads json",
+    "render": "method output set preset size eye target up limit no-file-camera lens-radius focus-points seed samples "
+    "stages threads json",
+    "export": "out methods set layers size eye target up limit no-file-camera lens-radius focus-points threads json",
+    "compare": "methods out set preset size eye target up limit no-file-camera lens-radius focus-points seed tolerance "
+    "threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",
     "diagnose": "pack results impl shader case json",
     "explain": "pixel stage out threads json",
     "lens": "focus out threads json",
-    "studio": "port no-open threads",
-    "pick": "pixel frame size eye target up fov name json",
-    "focus": "points method output frames format set preset size eye target up fov lens-radius threads json",
+    "studio": "port no-open limit no-file-camera threads",
+    "pick": "pixel frame size eye target up fov limit no-file-camera name json",
+    "focus": "points method output frames format set preset size eye target up fov limit no-file-camera lens-radius "
+    "threads json",
 }
 
 

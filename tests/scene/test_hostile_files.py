@@ -3,6 +3,7 @@
 import base64
 import json
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -10,12 +11,15 @@ import zlib
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from refdof import InputError
+from refdof.cli import app
 from refdof.scene.limits import Limits
 from refdof.scene.mesh_file import load_mesh
 from tests.mesh_fixtures import gltf, uri, write
 
+ORTHOGRAPHIC = {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 10}}
 SECONDS = 5.0
 BYTES = 2 << 30
 # Embree and OpenBLAS reserve address space for threads, which is not memory: what is counted is what is held at most.
@@ -160,8 +164,6 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_files_that_ask_for_too_much(tmp_path, name):
-    import re
-
     make, expected = TEXTS[name]
     said = in_its_own_process(write(tmp_path, name, make()))
     assert re.match(expected, said), said
@@ -181,8 +183,6 @@ PICTURES = {
 @pytest.mark.parametrize("name", PICTURES)
 @pytest.mark.parametrize("kind", ["obj", "gltf"])
 def test_pictures_that_are_bombs(tmp_path, name, kind):
-    import re
-
     make, expected = PICTURES[name]
     write(tmp_path, "bomb.png", make())
     if kind == "obj":
@@ -229,3 +229,20 @@ def test_a_file_beside_counts_its_bytes(tmp_path):
     load_mesh(path)
     with pytest.raises(InputError, match=r"a\.bin: it asks for 5000 bytes; at most 4000"):
         load_mesh(path, limits=Limits(bytes=4000))
+
+
+def test_limits_and_cameras_on_the_command_line(tmp_path):
+    def run(*words):
+        path = write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], cameras=[ORTHOGRAPHIC]))
+        words = ["pick", str(path), "--pixel", "320,240", "--size", "640x480", *words]
+        return CliRunner().invoke(app, words, standalone_mode=False).exception
+
+    assert run("--no-file-camera", "--limit", "triangles=2", "--limit", "pixels=9") is None
+    for words, said in (
+        (("--limit", "triangles=2"), "its camera is orthographic"),
+        (("--no-file-camera", "--limit", "triangles=1"), "2 triangles; at most 1, the limit 'triangles'"),
+        (("--limit", "teapots=1"), "limit: got 'teapots'"),
+    ):
+        error = run(*words)
+        assert isinstance(error, InputError)
+        assert said in str(error)

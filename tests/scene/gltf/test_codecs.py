@@ -16,9 +16,8 @@ MESHOPT, DRACO = "EXT_meshopt_compression", "KHR_draco_mesh_compression"
 def draco(places=PLACES, faces=FACES, colors=None, **words):
     """A card whose numbers are in a Draco buffer alone, without loss but for 14 bits of places."""
     packer = pytest.importorskip("DracoPy")
-    packed = packer.encode(
-        places, np.array(faces, dtype=np.uint32), preserve_order=True, tex_coord=UV.astype(np.float64), colors=colors, **words
-    )  # fmt: skip
+    places_of = {"preserve_order": True, "tex_coord": UV.astype(np.float64), "colors": colors, **words}
+    packed = packer.encode(places, np.array(faces, dtype=np.uint32), **places_of)
     kinds = {0: "POSITION", 2: "COLOR_0", 3: "TEXCOORD_0"}
     ids = {kinds[item["attribute_type"]]: item["unique_id"] for item in packer.decode(packed).attributes}
     card = Card(COLOR_0=np.zeros((4, 3), dtype=np.float32)) if colors is not None else Card()
