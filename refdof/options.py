@@ -104,9 +104,7 @@ FocusPoints = Annotated[
 ]
 Limit = Annotated[
     list[str] | None,
-    typer.Option(
-        "--limit", metavar="NAME=NUMBER", help="Most that reading a file may take: pixels=1e9. Repeatable."
-    ),
+    typer.Option("--limit", metavar="NAME=NUMBER", help="Most that reading a file may take: pixels=1e9. Repeatable."),
 ]
 NoFileCamera = Annotated[
     bool | None, typer.Option("--no-file-camera", help="Suggest a shot even if a glTF file has a camera of its own.")

@@ -251,7 +251,9 @@ DOORS: dict[str, Door] = {
         SystemLens(load_lens("biconvex"), 3.0).seen_by, {"camera": CAMERA}
     ),
     "refdof.scene.limits.Limits": Door(Limits, {f.name: getattr(Limits(), f.name) for f in fields(Limits)}),
-    "refdof.scene.limits.Limits.with_words": Door(Limits().with_words, {"words": ["pixels=1e9"]}, {"words": ("limit",)}),
+    "refdof.scene.limits.Limits.with_words": Door(
+        Limits().with_words, {"words": ["pixels=1e9"]}, {"words": ("limit",)}
+    ),
     "refdof.scene.load.load_scene": Door(
         load_scene,
         {"name": "triangle.obj", "shading": None, "background": None, "limits": Limits(), "file_camera": True},
@@ -260,7 +262,10 @@ DOORS: dict[str, Door] = {
     "refdof.scene.mesh_file.load_mesh": Door(
         load_mesh,
         {
-            "path": "triangle.obj", "shading": None, "background": (0.0, 0.0, 0.0), "limits": Limits(),
+            "path": "triangle.obj",
+            "shading": None,
+            "background": (0.0, 0.0, 0.0),
+            "limits": Limits(),
             "file_camera": True,
         },
         {"path": ("scene",)},
@@ -753,7 +758,9 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(("scene.builtin.", "scene.formats.", "scene.gltf.", "scene.kit.", "report.", "oracle.", "data")):
+        if short.startswith(
+            ("scene.builtin.", "scene.formats.", "scene.gltf.", "scene.kit.", "report.", "oracle.", "data")
+        ):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):

@@ -1,9 +1,10 @@
 """Limits of what a scene's files may ask for: a small file can claim more than any machine has."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
-from refdof._check import InputError, as_number
+from refdof._check import InputError, as_instances, as_number
 
 __all__ = ["Limits", "Meter"]
 
@@ -39,7 +40,7 @@ class Limits:
         for field in fields(self):
             object.__setattr__(self, field.name, as_number(field.name, getattr(self, field.name), minimum=1.0))
 
-    def with_words(self, words: list[str]) -> "Limits":
+    def with_words(self, words: Sequence[str]) -> "Limits":
         """The same but for limits given as "name=number", the words of the command line.
 
         Raises
@@ -48,7 +49,7 @@ class Limits:
             If there is no such limit, or its value is no number of at least 1.
         """
         names, found = [field.name for field in fields(self)], {}
-        for word in words:
+        for word in as_instances("limit", words, str):
             name, _, value = word.partition("=")
             try:
                 found[name.strip()] = float(value)
