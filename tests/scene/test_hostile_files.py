@@ -118,6 +118,20 @@ def buffer_of(address):
     return edited(buffers=[{"byteLength": 92, "uri": address}])
 
 
+def channels():
+    """100 000 channels of an animation that all move the same."""
+    channel = {"sampler": 0, "target": {"node": 0, "path": "pointer"}}
+    return edited(animations=[{"channels": [channel] * 100_000, "samplers": [{}]}])
+
+
+def texture_numbers():
+    """Each face asks for another picture."""
+    head = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\nelement vertex 3\n"
+    head += "property float x\nproperty float y\nproperty float z\nelement face 100000\n"
+    head += "property list uchar int vertex_indices\nproperty int texnumber\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    return head + "".join(f"3 0 1 2 {k + 2}\n" for k in range(100_000))
+
+
 def nested(depth):
     return '{"asset": ' + "[" * depth + "]" * depth + "}"
 
@@ -158,6 +172,12 @@ TEXTS = {
         "element face 1\nproperty list uint int vertex_indices\nend_header\n0 0 0\n4000000000 0\n",
         "refused: .*a list has the length 4e",
     ),
+    "materials.obj": (
+        lambda: TRIANGLE + "".join(f"usemtl m{k}\nf 1 2 3\n" for k in range(100_000)),
+        "refused: .*100000 instances; at most 20000",
+    ),
+    "channels.gltf": (channels, "read: .*moves 'pointer'"),
+    "numbers.ply": (texture_numbers, "read:"),
     "index.obj": (lambda: f"{TRIANGLE}f 1 2 99999999999999999999\n", "refused: "),
 }  # fmt: skip
 

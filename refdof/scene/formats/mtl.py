@@ -44,6 +44,7 @@ class Library:
     def __init__(self, lines: list[str], reading: Reading) -> None:
         self._reading = reading
         self._known: dict[str, tuple[dict[str, str], str]] = {}  # lines of each material, and its folder
+        self._in_any_case: dict[str, tuple[dict[str, str], str]] = {}
         self._made: dict[Any, Paint] = {}
         self._complete = True
         for line in lines:
@@ -62,7 +63,9 @@ class Library:
             key, _, rest = line.partition(" ")
             if key.lower() == "newmtl":
                 current = {}
-                self._known.setdefault(rest.strip().strip('"'), (current, self._reading.beside.folder_of(path)))
+                name, item = rest.strip().strip('"'), (current, self._reading.beside.folder_of(path))
+                self._known.setdefault(name, item)
+                self._in_any_case.setdefault(name.lower(), item)
             else:
                 current[key.lower()] = rest
 
@@ -76,7 +79,7 @@ class Library:
     def _paint(self, name: str | None, has_uv: bool, is_colored: bool) -> Paint:
         found = None if name is None else self._known.get(name)
         if found is None and name is not None:
-            found = next((item for known, item in self._known.items() if known.lower() == name.lower()), None)
+            found = self._in_any_case.get(name.lower())
             if found is None and self._complete:
                 self._reading.leave_out(f"the material {name[:80]!r}", "no material library has it")
         if found is None:

@@ -73,13 +73,17 @@ def _surfaces(
         + 1 * colored[faces].all(axis=1)
     )
     found = []
-    groups, group = np.unique(material * 8 + kind, return_inverse=True)
-    for k, number in enumerate(groups.tolist()):
+    groups, group, counts = np.unique(material * 8 + kind, return_inverse=True, return_counts=True)
+    reading.meter.instances(len(groups))
+    pieces = np.split(faces[np.argsort(group, kind="stable")], np.cumsum(counts)[:-1])
+    names = lines.names
+    for piece, number in zip(pieces, groups.tolist(), strict=True):
+        reading.meter.clock()
         has_uv, has_normal, is_colored = bool(number & 4), bool(number & 2), bool(number & 1)
-        old, new = np.unique(faces[group == k], return_inverse=True)
+        old, new = np.unique(piece, return_inverse=True)
         wanted = corner[old] * (1, has_uv, has_normal)  # of what only some corners have, nothing counts
         rows, again = np.unique(wanted, axis=0, return_inverse=True)
-        paint = library.paint(lines.names[number // 8], has_uv, is_colored)
+        paint = library.paint(names[number // 8], has_uv, is_colored)
         found.append(
             Surface(
                 places[rows[:, 0]],
@@ -105,7 +109,7 @@ class _Lines:
         self.sizes: list[int] = []
         self.polygons: list[int] = []  # corners, one polygon after the other
         self.material: list[int] = []  # of each polygon, into `names`
-        self.names: list[str | None] = [None]
+        self._numbers: dict[str | None, int] = {None: 0}  # of materials, by their names
         self.libraries: list[str] = []
         self.curved: dict[str, None] = {}
         self._corners: dict[str, int] = {}  # by their text
@@ -119,13 +123,16 @@ class _Lines:
                 self._polygon(rest.split(), current)
             elif key == "usemtl":
                 name = rest.strip().strip('"')
-                if name not in self.names:
-                    self.names.append(name)
-                current = self.names.index(name)
+                current = self._numbers.setdefault(name, len(self._numbers))
             elif key == "mtllib":
                 self.libraries.append(rest.strip())
             elif key in _CURVED:
                 self.curved[key] = None
+
+    @property
+    def names(self) -> list[str | None]:
+        """The materials' names; None is none."""
+        return list(self._numbers)
 
     def _polygon(self, words: Sequence[str], material: int) -> None:
         for word in words:

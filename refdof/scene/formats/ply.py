@@ -111,6 +111,7 @@ def _surfaces(
         faces = np.arange(len(corner), dtype=np.int64).reshape(-1, 3)
     number = face.scalars.get("texnumber")
     which = np.zeros(len(faces)) if number is None or polygon is None or not len(textures) > 1 else number[polygon]
+    which = np.where((which >= 0) & (which < max(1, len(textures))), which, -1)
     pictures = {k: _picture(textures[int(k)], reading) if 0 <= k < len(textures) else None for k in set(which.tolist())}
     found = []
     for k, picture in sorted(pictures.items()):

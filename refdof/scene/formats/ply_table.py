@@ -5,6 +5,7 @@ References
 .. [1] Turk (1994), The PLY Polygon File Format.
 """
 
+from codecs import BOM_UTF8
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -68,6 +69,7 @@ def read_tables(data: bytes) -> tuple[dict[str, Table], list[str]]:
     InputError
         If the header is not as the format demands, or the file is shorter than it says.
     """
+    data = data.removeprefix(BOM_UTF8)
     end = data.find(b"end_header", 0, _LONGEST_HEADER)
     if not data.lstrip().startswith(b"ply") or end < 0:
         raise InputError("it has no header of a PLY file")

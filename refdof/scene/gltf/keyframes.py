@@ -44,6 +44,7 @@ def channels_of(header: dict[str, Any], numbers: Numbers) -> tuple[Channel, ...]
         return ()
     animation = member(header, "animations", 0)
     found: list[Channel] = []
+    moved: set[tuple[int, str]] = set()
     for index in range(len(animation.get("channels", []))):
         name = f"animation 0, channel {index}"
         channel = member(animation, "channels", index)
@@ -53,8 +54,9 @@ def channels_of(header: dict[str, Any], numbers: Numbers) -> tuple[Channel, ...]
             continue
         if path in PATHS and "matrix" in member(header, "nodes", node):
             raise InputError(f"{name}: moves node {node}, which has a matrix; allowed are nodes without")
-        if any(other[:2] == (node, path) for other in found):
+        if (node, path) in moved:
             raise InputError(f"{name}: moves the {path} of node {node} again; allowed is one channel for it")
+        moved.add((node, path))
         sampler = member(animation, "samplers", channel.get("sampler"))
         found.append(_channel(name, node, path, sampler, numbers))
     return tuple(found)

@@ -5,7 +5,7 @@
 3. emission, its texture and its strength                          `_with_emission`
 
 A material has one set of texture coordinates, one transform and one way to wrap: those of its base colour, or of its
-emission where the base has no texture. An emissive texture with others is left out.
+emission where the base has no texture. An emissive texture in another place is left out; it wraps as the base does.
 
 References
 ----------
@@ -54,7 +54,7 @@ class _Texture(NamedTuple):
     wrap: tuple[str, str]
 
     def place(self) -> tuple:
-        return self.texcoord, self.transform, self.wrap
+        return self.texcoord, self.transform
 
 
 class Materials:
@@ -147,6 +147,8 @@ class Materials:
         if glow is not None and first is not None and glow.place() != first.place():
             self._reading.leave_out("an emissive texture", "it is placed otherwise than the base colour's")
             glow = None
+        if glow is not None and first is not None and glow.wrap != first.wrap:
+            self._reading.leave_out("the wrapping of an emissive texture", "the base colour's holds for both")
         if glow is None or glow.picture is None:  # a factor alone would glow all over
             return material
         return replace(material, emission=(red, green, blue), emission_texture=glow.picture.color)

@@ -66,6 +66,12 @@ def test_triangles_and_polygons_in_one_file(tmp_path, order, new_names):
 
 
 @pytest.mark.parametrize("order", FORMATS)
+def test_a_byte_order_mark_does_no_harm(tmp_path, order):
+    data = ply(order, ("vertex", XYZ, QUAD), ("face", INDICES, [((0, 1, 2, 3),)]))
+    assert area_of(load_mesh(write(tmp_path, "a.ply", b"\xef\xbb\xbf" + data))) == 2.0
+
+
+@pytest.mark.parametrize("order", FORMATS)
 def test_concave_polygons_have_their_area(tmp_path, order):
     places = [(1, 0, 0), (0, 0, 0), (0, 1, 0), (-1, 1, 0), (-1, -1, 0), (1, -1, 0)]
     scene = loaded(tmp_path, order, ("vertex", XYZ, places), ("face", INDICES, [(tuple(range(6)),)]))

@@ -108,17 +108,25 @@ def test_an_emissive_texture_has_the_base_colours_place(tmp_path):
     [
         {"texCoord": 1},
         {"extensions": {"KHR_texture_transform": {"scale": [2, 2]}}},
-        {"index": 1},
     ],
 )
 def test_an_emissive_texture_placed_otherwise_is_told(tmp_path, other):
     words = {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, **other}}
     card = Card(base(0, **words), TEXCOORD_1=UV)
     card.picture(RED)
-    card.picture(RED, sampler={"wrapS": 33071})
     with pytest.warns(UserWarning, match=r"an emissive texture \(it is placed otherwise"):
         material = material_of(card, tmp_path)
     assert (material.emission, material.emission_texture) == ((0, 0, 0), None)
+
+
+def test_an_emissive_texture_that_wraps_otherwise_is_told(tmp_path):
+    card = Card(base(0, emissiveFactor=[1, 1, 1], emissiveTexture={"index": 1}))
+    card.picture(RED)
+    card.picture([[[0, 255, 0]]], sampler={"wrapS": 33071})
+    with pytest.warns(UserWarning, match="the wrapping of an emissive texture"):
+        material = material_of(card, tmp_path)
+    assert material.wrap == ("repeat", "repeat")
+    np.testing.assert_array_equal(material.emission_texture, [[[0, 1, 0]]])
 
 
 @pytest.mark.parametrize(("s", "u"), [(33071, "clamp"), (33648, "mirror"), (10497, "repeat"), (None, "repeat")])
