@@ -21,7 +21,7 @@ def load_scene(
     limits: Limits = Limits(),
     file_camera: bool = True,
 ) -> Scene:
-    """A built-in scene, or any mesh file that trimesh reads (OBJ, PLY, STL, GLB, glTF and more).
+    """A built-in scene, or a mesh file: glTF, GLB, OBJ, PLY, OFF, STL and others.
 
     Parameters
     ----------
