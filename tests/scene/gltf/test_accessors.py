@@ -121,3 +121,12 @@ def test_indices(component):
     assert numbers.indices("a", 0, "SCALAR", 4).ravel().tolist() == values
     with pytest.raises(InputError, match=r"a: index 3 is outside 0 \.\. 2"):
         numbers.indices("a", 0, "SCALAR", 3)
+
+
+@pytest.mark.parametrize(("component", "least"), [(5120, -128), (5122, -32768)])
+def test_the_least_whole_number_is_minus_one(component, least):
+    """As the one above it is: fractions are symmetric."""
+    data = struct.pack(f"<3{CODES[component]}", least, least + 1, 0)
+    accessor = {"componentType": component, "type": "SCALAR", "count": 3, "bufferView": 0, "normalized": True}
+    numbers = numbers_of(data, accessor, [{"buffer": 0, "byteLength": len(data)}])
+    assert numbers.floats("a", 0, "SCALAR").ravel().tolist() == [-1.0, -1.0, 0.0]
