@@ -14,7 +14,7 @@ import zlib
 
 import numpy as np
 
-from refdof._jit import kernel
+from refdof._jit import tile_kernel
 
 __all__ = ["depth_of_png", "read_png16", "refuse_lies"]
 
@@ -94,7 +94,7 @@ def _chunks(data: bytes) -> tuple[bytes, bytes]:
     return b"".join(packed), clear
 
 
-@kernel
+@tile_kernel
 def _unfilter(rows, step):
     """Turn rows (h, 1 + bytes) uint8 of a filter's number and differences into bytes, in place, [1] 9.2."""
     height, width = rows.shape
@@ -115,4 +115,4 @@ def _unfilter(rows, step):
                 # Paeth: of the three neighbours, the one nearest to left + above - corner.
                 a, b, c = abs(above - corner), abs(left - corner), abs(left + above - 2 * corner)
                 guess = left if a <= b and a <= c else (above if b <= c else corner)
-            rows[y, x] = (np.int64(rows[y, x]) + guess) & 255
+            rows[y, x] = np.uint8((np.int64(rows[y, x]) + guess) & 255)
