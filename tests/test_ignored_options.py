@@ -75,7 +75,7 @@ HEEDED = {
     "lens": "focus out threads json",
     "studio": "port no-open limit no-file-camera threads",
     "pick": "pixel frame size eye target up fov limit no-file-camera name json",
-    "focus": "points method output frames format set preset size eye target up fov limit no-file-camera lens-radius "
+    "focus": "points method out frames format set preset size eye target up fov limit no-file-camera lens-radius "
     "threads json",
 }
 
