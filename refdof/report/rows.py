@@ -36,11 +36,14 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
     command : str
         What reproduces it; empty: the nearest `refdof compare` line, made from what the comparison holds.
     """
+    lens = comparison.lens
     return {
         "scene": comparison.scene,
-        "camera": plain(asdict(comparison.camera)),
-        "lens": lens_as_json(comparison.lens),
-        "reference": {
+        "camera": {"size": plain(comparison.camera.size)} if lens is None else plain(asdict(comparison.camera)),
+        "lens": None if lens is None else lens_as_json(lens),
+        "reference": None
+        if comparison.reference is None
+        else {
             "samples": plain(comparison.samples),
             "seconds": plain(comparison.seconds),
             "kept": comparison.kept,
@@ -72,8 +75,12 @@ def at_noise_floor(row: Row, comparison: Comparison) -> bool:
 
 
 def command_of(comparison: Comparison) -> str:
-    """A `refdof compare` line for this shot; of a lens system, focus points and an aperture, the thin lens is said."""
+    """A `refdof compare` line for this shot, empty for a frame made elsewhere; of a lens system, focus points and an
+    aperture, the thin lens is said.
+    """
     camera, lens = comparison.camera, comparison.lens
+    if lens is None or math.isnan(comparison.samples):
+        return ""  # of a frame, whose files are not known here
     words = ["refdof", "compare", comparison.scene, "--size", f"{camera.width}x{camera.height}"]
     for name in ("eye", "target", "up"):
         words += [f"--{name}", ",".join(map(repr, getattr(camera, name)))]

@@ -12,7 +12,7 @@ from refdof.comparison import Comparison, Row
 from refdof.metrics import METRICS
 from refdof.report.rows import DISPLAY, at_noise_floor, plain
 
-__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "reference_line", "terminal_table", "texts"]
+__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "noise_in_words", "reference_line", "terminal_table", "texts"]
 
 NARROW = ("psnr", "ssim", "flip", "blur_s")
 _TERMINAL = 80  # characters a line
@@ -75,13 +75,24 @@ def texts(row: Row) -> dict[str, str]:
 
 def reference_line(comparison: Comparison) -> str:
     """What the reference is worth, in a sentence."""
-    floor = comparison.noise_floor_psnr
-    noise = f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
+    if comparison.reference is None:
+        return "No reference: methods have no scores."
+    noise = noise_in_words(comparison)
     if any(at_noise_floor(row, comparison) for row in comparison.rows):
         noise += "; a method within 3 dB of it is at the noise floor: more samples would raise its score"
+    if math.isnan(comparison.samples):
+        return f"Reference: made elsewhere, {noise}."
     samples = f"{comparison.samples:.1f}".removesuffix(".0")
     seconds = f"{comparison.seconds:.1f} s" + (" in an earlier run" if comparison.kept else "")
     return f"Reference: {samples} samples per pixel, {seconds}, {noise}."
+
+
+def noise_in_words(comparison: Comparison) -> str:
+    """The noise of the reference."""
+    floor = comparison.noise_floor_psnr
+    if math.isnan(floor):
+        return "noise unknown"
+    return f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
 
 
 def footnote() -> str:
