@@ -12,6 +12,8 @@ Neither form has a difference that cancels: 1 - d is exact from a half on. What 
 at infinity: 1 of "device", 0 of the other two. So is, of the first two kinds, 1e10, which Blender writes.
 """
 
+from typing import Any
+
 import numpy as np
 
 from refdof._check import Float, InputError, as_choice, as_float, as_instance, as_number
@@ -82,7 +84,7 @@ def ray_lengths(camera: Camera) -> Float:
     return np.sqrt(1.0 + across**2 + (down**2)[:, None])
 
 
-def _check_planes(kind: str, near: float | None, far: float | None) -> None:
+def _check_planes(kind: str, near: Any, far: Any) -> None:
     needed = _PLANES.get(kind, 0)
     for count, (name, plane) in enumerate({"near": near, "far": far}.items(), start=1):
         if plane is None and count <= needed:
@@ -91,19 +93,18 @@ def _check_planes(kind: str, near: float | None, far: float | None) -> None:
             raise InputError(f"{name}: got {plane!r} for {kind}, which has no such plane; allowed is none")
         if plane is not None:
             as_number(name, plane, above=0.0)
-    if needed == 2 and not near < far:  # type: ignore[operator]
+    if needed == 2 and not near < far:
         raise InputError(f"far: got {far:g} with near {near:g}; allowed is a number above near")
 
 
-def _of_buffer(device: Float, kind: str, near: float | None, far: float | None) -> Float:
+def _of_buffer(device: Float, kind: str, near: Any, far: Any) -> Float:
     for name, extreme in (("smallest", device.min(initial=1.0)), ("largest", device.max(initial=0.0))):
         if not 0.0 <= extreme <= 1.0:
             raise InputError(f"depth: {name} value is {extreme:g}; allowed for {kind} are values in 0 .. 1")
-    n, empty = np.float64(near), device == (1.0 if kind == "device" else 0.0)  # type: ignore[arg-type]
+    n, empty = np.float64(near), device == (1.0 if kind == "device" else 0.0)
     with np.errstate(divide="ignore", over="ignore"):
         if kind == "reversed-infinite":
             return n / device
-        f = np.float64(far)  # type: ignore[arg-type]
+        f = np.float64(far)
         first, second = (f, n) if kind == "device" else (n, f)
         return np.where(empty, np.inf, n * f / ((1.0 - device) * first + device * second))
-

@@ -77,9 +77,7 @@ def _stored_depth(path: str, layers: Layers | None, depth: str | os.PathLike[str
     return depth_of("depth", path, layers)
 
 
-def _surfaces(
-    path: str, layers: Layers, fov_y: float, kind: str, near: float | None, far: float | None
-) -> Surfaces:
+def _surfaces(path: str, layers: Layers, fov_y: float, kind: str, near: float | None, far: float | None) -> Surfaces:
     color, depth, opacity = sample_layer("color", path, layers)
     height, width = depth.shape
     camera = frame_camera(fov_y, (width, height))

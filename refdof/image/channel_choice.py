@@ -53,9 +53,7 @@ def color_of(argument: str, path: str, layers: Layers, wanted: str | None = None
     return np.stack(channels, axis=-1).astype(np.float32)
 
 
-def depth_of(
-    argument: str, path: str, layers: Layers, wanted: str | None = None, by_name: bool = True
-) -> np.ndarray:
+def depth_of(argument: str, path: str, layers: Layers, wanted: str | None = None, by_name: bool = True) -> np.ndarray:
     """The depth of a file, as stored: (H, W); or without `by_name` the only channel that it can be.
 
     Raises
@@ -68,7 +66,7 @@ def depth_of(
         chosen = [name for name in names if name == wanted] or _letters_of(layers, wanted)
     elif by_name:
         depths = [layer for layer in layers if layer.lower().endswith("depth")]
-        depths = [layer for layer in depths if layer.lower().split(".")[-1] == "depth"] or depths  # not "Denoising Depth"
+        depths = [layer for layer in depths if layer.lower().split(".")[-1] == "depth"] or depths
         chosen = [found for layer in depths for found in _letters_of(layers, layer)]
         chosen = chosen or [name for name in names if re.split(r"[._]", name)[-1].lower() in ("z", "depth")]
     else:

@@ -14,8 +14,8 @@ import numpy as np
 
 from refdof._check import Float, InputError, as_image, as_path
 from refdof.image.atomic import atomic_path
-from refdof.image.display import linear_from_display, to_8_bit
 from refdof.image.channel_choice import color_of, depth_of, split_layer
+from refdof.image.display import linear_from_display, to_8_bit
 from refdof.image.exr import DECODERS_RAISE, MOST_PIXELS, check_plain_file, is_deep, read_layers, save_channels
 from refdof.image.radiance import read_radiance
 

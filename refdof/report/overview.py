@@ -130,7 +130,7 @@ def _layout(comparison: Comparison) -> _Layout:
 
 
 def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[Box, ...]]:
-    """The reference's cell, or the pinhole's, then one for each method; and the crops. Every picture is encoded once."""
+    """The reference's cell, or the pinhole's, then one for each method; and the crops. Pictures are encoded once."""
     name, first = comparison.standard
     standard, scored = display(first), comparison.reference is not None
     label, noise = "", None
@@ -174,7 +174,7 @@ def _levels(values: Float) -> Levels:
 
 
 def _noise(comparison: Comparison) -> str:
-    return "no reference" if comparison.reference is None else noise_in_words(comparison)
+    return "no reference" if comparison.reference is None else noise_in_words(comparison.noise_floor_psnr)
 
 
 def _header(figure: Figure, comparison: Comparison, width: int) -> None:
