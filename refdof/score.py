@@ -46,7 +46,9 @@ class Scores(NamedTuple):
         """For people: in 80 characters, or all columns and what they mean."""
         width, height = self.size
         worth = f"Reference: {self.reference}, {width} x {height}, {noise_in_words(self.noise_floor_psnr)}."
-        table = scores_table(self.images, self.scores, self.noise_floor_psnr, wide)
+        files = [os.path.basename(name) for name in self.images]
+        names = files if len(set(files)) == len(files) else self.images
+        table = scores_table(names, self.scores, self.noise_floor_psnr, wide)
         return "\n\n".join([table, worth, *([footnote_of_metrics()] if wide else [])])
 
 

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_path
+from refdof._check import Float, InputError, as_image, as_path
 from refdof.frame.depth_kinds import planar_depth, planar_of, ray_lengths
 from refdof.frame.frame import Frame, frame_camera
 from refdof.frame.samples import flat_samples, surfaces_of_samples
@@ -61,8 +61,7 @@ def load_frame(
         camera = frame_camera(fov_y, (pixels.shape[1], pixels.shape[0]))
     else:
         pixels = read_color("color", path) if layers is None else color_of("color", path, layers, layer)
-        if pixels.ndim != 3:
-            raise InputError(f"color: got shape {pixels.shape}; allowed is (any, any, 3)")
+        pixels = as_image("color", pixels, dtype=np.float32)
         camera = frame_camera(fov_y, (pixels.shape[1], pixels.shape[0]))
         planar = planar_depth(_stored_depth(path, layers, depth), depth_kind, camera, near, far)
     circles = None if coc is None else read_numbers("coc", coc, by_name=False)

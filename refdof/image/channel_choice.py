@@ -46,7 +46,7 @@ def color_of(argument: str, path: str, layers: Layers, wanted: str | None = None
         chosen = chosen or [name for name in named if re.split(r"[._]", name)[-1].lower() in _PICTURES] or named
     if len(chosen) != 1:
         said = "R, G and B" if wanted is None else f"R, G and B of {wanted!r}"
-        _refuse(argument, path, said, chosen or named, layers)
+        _refuse(argument, path, said, chosen, layers)
     channels = [layers[chosen[0]][letter] for letter in "RGB"]
     if any(is_deep(channel) for channel in channels):
         raise InputError(f"{argument}: {path!r} is a deep file; allowed is a flat one")
@@ -74,8 +74,8 @@ def depth_of(argument: str, path: str, layers: Layers, wanted: str | None = None
     if wanted is None:
         chosen = chosen or (names if len(names) == 1 else _gray(layers))
     if len(chosen) != 1:
-        said = repr(wanted) if wanted is not None else "depth" if by_name else "channel for it"
-        _refuse(argument, path, said, chosen or names, layers)
+        said = repr(wanted) if wanted is not None else "depth" if by_name else "channel of its own"
+        _refuse(argument, path, said, chosen, layers)
     layer, _, letter = chosen[0].rpartition(".")
     return layers[layer][letter]
 

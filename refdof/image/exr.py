@@ -4,9 +4,12 @@ The only file that imports OpenEXR. A channel's name is LAYER.LETTER, such as "V
 point belongs to the layer "", or to the layer that its part is named by where a file has several parts.
 """
 
+import io
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -21,6 +24,8 @@ DECODERS_RAISE = (OSError, ValueError, RuntimeError, EOFError, SyntaxError, Type
 MOST_PIXELS = 2**26  # of a picture that is read
 _MOST_SIDE = 32768  # px, as of a camera
 _MOST_BYTES = 2**31
+_ONE_READER = Lock()  # standard streams are the process's
+_STDERR = 2
 _DEEP_BYTES = 128  # of an array of samples, which each channel of a deep pixel has
 
 
@@ -61,17 +66,36 @@ def read_layers(argument: str, path: str | os.PathLike[str]) -> dict[str, dict[s
     try:
         with open(file, "rb"):  # a missing file gets the system's own words, not the decoder's
             pass
-        with OpenEXR.File(str(file), separate_channels=True, header_only=True) as opened:
-            for part in opened.parts:
-                _check_header(argument, path, part.header)
-        with OpenEXR.File(str(file), separate_channels=True) as opened:
+        with _silence(), OpenEXR.File(str(file), separate_channels=True, header_only=True) as opened:
+            counts = [_check_header(argument, path, part.header) for part in opened.parts]
+        with _silence(), OpenEXR.File(str(file), separate_channels=True) as opened:
             parts = [(part.name() or "", {n: c.pixels for n, c in part.channels.items()}) for part in opened.parts]
+        if [len(channels) for _, channels in parts] != counts:
+            raise ValueError("pixels are damaged or missing")  # of which the decoder only warns
     except InputError:
         raise
     except DECODERS_RAISE as error:
         reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(f"{argument}: cannot read {str(path)!r} ({reason}); allowed is an EXR file") from None
     return _by_layer(parts)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Drop what the decoder prints about a damaged file: by Python, and into the process's stderr itself."""
+    with _ONE_READER, redirect_stdout(io.StringIO()):
+        kept = None
+        with suppress(OSError):  # where it is closed
+            kept = os.dup(_STDERR)
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, _STDERR)
+            os.close(nowhere)
+        try:
+            yield
+        finally:
+            if kept is not None:
+                os.dup2(kept, _STDERR)
+                os.close(kept)
 
 
 def is_deep(channel: np.ndarray) -> bool:
@@ -91,8 +115,8 @@ def _by_layer(parts: list[tuple[str, dict[str, np.ndarray]]]) -> dict[str, dict[
     return layers
 
 
-def _check_header(argument: str, path: str | os.PathLike[str], header: Mapping[str, Any]) -> None:
-    """Raise before any pixel is read."""
+def _check_header(argument: str, path: str | os.PathLike[str], header: Mapping[str, Any]) -> int:
+    """How many channels a part has; raises before any pixel is read."""
     (left, top), (right, bottom) = (tuple(int(v) for v in corner) for corner in header["dataWindow"])
     window = tuple(tuple(int(v) for v in corner) for corner in header["displayWindow"])
     width, height, channels = right - left + 1, bottom - top + 1, len(header["channels"])
@@ -119,3 +143,4 @@ def _check_header(argument: str, path: str | os.PathLike[str], header: Mapping[s
         raise InputError(
             f"{argument}: channel {sampled[0]} of {str(path)!r} has fewer pixels than the picture; allowed is one each"
         )
+    return channels
