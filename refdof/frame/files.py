@@ -65,7 +65,8 @@ def load_frame(
         camera = frame_camera(fov_y, (pixels.shape[1], pixels.shape[0]))
         planar = planar_depth(_stored_depth(path, layers, depth), depth_kind, camera, near, far)
     circles = None if coc is None else read_numbers("coc", coc, by_name=False)
-    return Frame(pixels, planar, camera, lens, circles, surfaces, os.path.splitext(os.path.basename(path))[0])
+    name = os.path.splitext(os.path.basename(path))[0]
+    return Frame(pixels, planar, camera, lens, circles, surfaces, name=name)
 
 
 def _stored_depth(path: str, layers: Layers | None, depth: str | os.PathLike[str] | None) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from refdof._check import Float, Index, InputError, as_depth, as_image, as_instance, as_integer, as_map
+from refdof._check import Float, Index, InputError, as_color, as_depth, as_float, as_image, as_instance, as_integer
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.raster.rays.exact_layers import Layers
@@ -57,6 +57,8 @@ class Frame:
         Signed circle of confusion, a **radius** [px], negative in front of the focal plane; instead of a lens.
     layers : Layers, optional
         All surfaces of every pixel, front to back, for methods of layers.
+    background : (r, g, b)
+        Linear RGB of what methods of layers see behind all surfaces.
     name : str
 
     Raises
@@ -71,12 +73,14 @@ class Frame:
     lens: ThinLens | None = None
     coc: Float | None = None
     layers: Layers | None = None
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0)
     name: str = "frame"
 
     def __post_init__(self) -> None:
         camera = as_instance("camera", self.camera, Camera)
         shape = (camera.height, camera.width)
         as_instance("name", self.name, str)
+        object.__setattr__(self, "background", as_color("background", self.background))
         object.__setattr__(self, "color", as_image("color", self.color, (*shape, 3), dtype=np.float32))
         object.__setattr__(self, "depth", as_depth(self.depth, shape, dtype=np.float64))
         if (self.lens is None) == (self.coc is None):
@@ -85,10 +89,7 @@ class Frame:
         if self.lens is not None:
             as_instance("lens", self.lens, ThinLens)
         if self.coc is not None:
-            coc = as_map("coc", self.coc, shape)
-            if np.isinf(coc).any():
-                raise InputError("coc: has infinite values; allowed are finite ones")
-            object.__setattr__(self, "coc", coc.astype(np.float64))
+            object.__setattr__(self, "coc", as_float("coc", self.coc, shape, dtype=np.float64))
         if self.layers is not None:
             as_instance("layers", self.layers, Layers)
 
@@ -102,7 +103,7 @@ class FrameView(View):
 
     def __init__(self, frame: Frame) -> None:
         lens = _PINHOLE if frame.lens is None else frame.lens
-        super().__init__(Scene.from_parts(frame.name, [], frame.camera, lens), frame.camera, lens)
+        super().__init__(Scene.from_parts(frame.name, [], frame.camera, lens, frame.background), frame.camera, lens)
         self.frame = frame
 
     def pinhole(self) -> Pinhole:

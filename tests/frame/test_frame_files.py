@@ -90,7 +90,7 @@ def test_circles_instead_of_a_lens(folder):
         load(folder / "plain.exr", coc=folder / "coc.npy")
     with pytest.raises(InputError, match="lens: got neither lens and coc"):
         load(folder / "plain.exr", lens=None)
-    with pytest.raises(InputError, match="coc: .* has no channel "):
+    with pytest.raises(InputError, match=r"coc: .* has no channel "):
         load(folder / "plain.exr", lens=None, coc=folder / "plain.exr")
 
 
@@ -114,14 +114,14 @@ REFUSED = {
     "no such layer": (lambda f: two_layers(f) + ":C", None, "color: .* has no R, G and B of 'C'"),
     "two depths": (two_depths, None, r"depth: .* has several depth .it has One.Depth.Z, Two.Depth.Z.; allowed"),
     "no depth": (lambda f: str(f / "color.exr"), None, "depth: .* has no depth .it has B, G, R"),
-    "no depth in a PNG": (lambda f: str(f / "color.npy"), None, "depth: got none, and .*color.npy' holds none; allowed"),
+    "no depth in a PNG": (lambda f: str(f / "color.npy"), None, "depth: got none, and .*color.npy' holds none"),
     "one channel": (lambda f: str(f / "z.exr"), None, "color: .* has no R, G and B"),
     "colour as depth": (lambda f: str(f / "color.exr"), "color.exr", "depth: .* has no depth"),
     "PNG depth": (lambda f: str(f / "color.exr"), "d.png", "depth: got .*d.png', whose numbers have no unit; allowed"),
     "HDR depth": (lambda f: str(f / "color.exr"), "d.hdr", "depth: got .*d.hdr', whose numbers have no unit; allowed"),
     "missing": (lambda f: str(f / "none.exr"), None, "color: cannot read .*No such file"),
     "missing depth": (lambda f: str(f / "color.exr"), "none.npy", "depth: cannot read .*No such file"),
-    "another suffix": (lambda f: str(f / "a.tif"), None, "color: got .*a.tif'; allowed are names that end in .png, .exr"),
+    "another suffix": (lambda f: str(f / "a.tif"), None, "color: got .*a.tif'; allowed are names that end in .png"),
     "a folder": (lambda f: f"{f}/folder.exr", None, "color: got .*, which is not a regular file"),
     "empty path": (lambda f: "", None, "color: got ''; allowed is a path"),
     "other size": (lambda f: str(f / "color.exr"), "wide.npy", r"depth: got shape \(2, 4\); allowed is \(2, 3\)"),
@@ -136,7 +136,7 @@ REFUSED = {
     "truncated EXR": (lambda f: str(f / "short.exr"), "z.npy", "color: cannot read .* are damaged or missing"),
     "no EXR": (lambda f: str(f / "text.exr"), "z.npy", "color: cannot read"),
     "truncated NPY": (lambda f: str(f / "color.exr"), "short.npy", "depth: cannot read"),
-    "cropped": (lambda f: str(f / "crop.exr"), "z.npy", "color: .* holds pixels 1,1 .. 3,2 of 0,0 .. 9,9; allowed is the"),
+    "cropped": (lambda f: str(f / "crop.exr"), "z.npy", "color: .* holds pixels 1,1 .. 3,2 of 0,0 .. 9,9; allowed is"),
     "long pixels": (lambda f: str(f / "long.exr"), "z.npy", "color: .* has pixels 2 times as wide as high; allowed"),
 }  # fmt: skip
 
@@ -184,7 +184,7 @@ def test_a_pipe_does_not_hang(folder):
 
     for name, words in (("p.exr", ()), ("p.npy", ("z.npy",)), ("p.hdr", ("z.npy",)), ("p.png", ("z.npy",))):
         os.mkfifo(folder / name)
-        with pytest.raises(InputError, match="color: .* is not a regular file"):
+        with pytest.raises(InputError, match=r"color: .* is not a regular file"):
             load(folder / name, *(folder / word for word in words))
 
 
@@ -222,7 +222,7 @@ def test_an_npy_and_a_png_that_lie_about_their_size_are_refused_at_once(folder):
     content = bytearray((folder / "lie.png").read_bytes())
     content[16:24] = (50000).to_bytes(4, "big") * 2
     (folder / "lie.png").write_bytes(content)
-    with pytest.raises(InputError, match="color: .* has 50000x50000 pixels"):
+    with pytest.raises(InputError, match=r"color: .* has 50000x50000 pixels"):
         load(folder / "lie.png", folder / "z.npy")
 
 
