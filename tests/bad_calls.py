@@ -212,7 +212,7 @@ DOORS: dict[str, Door] = {
     "refdof.filtering.methods_of_frame": Door(methods_of_frame, {"frame": FRAME}),
     "refdof.frame.depth_kinds.planar_depth": Door(
         planar_depth,
-        {"values": DEPTH / 8, "kind": "device", "camera": CAMERA, "near": 1.0, "far": 9.0},
+        {"values": np.minimum(DEPTH, 6.0) / 8.0, "kind": "device", "camera": CAMERA, "near": 1.0, "far": 9.0},
         {"values": ("depth",), "camera": ("depth",), "kind": ("depth", "near", "far"), "near": ("far",)},
         True,
     ),

@@ -104,7 +104,7 @@ def test_the_floor_of_a_pair_is_that_of_the_estimates():
         (["truth.npy", "truth.npy", "--second", "small.npy"], "second: got shape"),
         (
             ["truth.npy", "truth.npy", "--second", "truth.npy", "--variance", "truth.npy"],
-            "second: got 'truth.npy' with",
+            "second: got 'truth.npy'",
         ),
         (["truth.npy", "a.jpg"], "image: got 'a.jpg'; allowed are names that end in"),
     ],

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import Float, InputError, as_choice, as_float, as_instance, as_number
+from refdof._check import Float, InputError, as_choice, as_float, as_instance, as_number, shape_of
 from refdof.optics.camera import Camera
 
 __all__ = ["DEPTH_KINDS", "planar_depth", "planar_of", "ray_lengths"]
@@ -60,7 +60,7 @@ def planar_depth(
         If a value is NaN or not of this kind, or planes are missing, too many or not in order.
     """
     as_instance("camera", camera, Camera)
-    wanted = (None,) * (np.ndim(values) - 2) + (camera.height, camera.width)
+    wanted = (None,) * (len(shape_of("depth", values)) - 2) + (camera.height, camera.width)
     stored = as_float("depth", values, wanted, dtype=np.float64, finite=False)
     return planar_of(stored, kind, ray_lengths(camera), near, far)
 
@@ -89,10 +89,10 @@ def _check_planes(kind: str, near: Any, far: Any) -> None:
     for count, (name, plane) in enumerate({"near": near, "far": far}.items(), start=1):
         if plane is None and count <= needed:
             raise InputError(f"{name}: got none; allowed for {kind} is the distance of that plane, above 0")
-        if plane is not None and count > needed:
-            raise InputError(f"{name}: got {plane!r} for {kind}, which has no such plane; allowed is none")
         if plane is not None:
             as_number(name, plane, above=0.0)
+        if plane is not None and count > needed:
+            raise InputError(f"{name}: got {plane:g} for {kind}, which has no such plane; allowed is none")
     if needed == 2 and not near < far:
         raise InputError(f"far: got {far:g} with near {near:g}; allowed is a number above near")
 

@@ -68,8 +68,8 @@ def test_a_plain_loop_finds_the_same_surfaces(tmp_path):
         for _ in range(6):
             count = random.integers(0, 7)
             opacity = random.choice([0.125, 0.25, 0.5, 1.0], count)
-            row.append([(a * r, a * g, a * b, a, z) for a, r, g, b, z in
-                        zip(opacity, *random.random((3, count)), random.integers(1, 9, count), strict=True)])  # fmt: skip
+            values = zip(opacity, *random.random((3, count)), random.integers(1, 9, count), strict=True)
+            row.append([(a * r, a * g, a * b, a, z) for a, r, g, b, z in values])
         pixels.append(row)
     frame = load(tmp_path, pixels)
     for y, row in enumerate(pixels):

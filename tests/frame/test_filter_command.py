@@ -105,7 +105,7 @@ def test_float32_depth_beside_circles_gives_the_picture_to_the_bit(exported, tmp
 
 
 def test_table_report_and_overview_without_a_reference(exported, tmp_path):
-    view, folder, _ = exported
+    view, _, _ = exported
     pinhole = view.pinhole()
     exr_files.write_blender(tmp_path / "frame.exr", pinhole.color, pinhole.depth)
     said = run(
@@ -147,7 +147,7 @@ def test_scores_with_a_reference_are_those_of_metrics(exported, tmp_path):
 def test_f_numbers_by_hand(exported, tmp_path):
     # A sensor of 24 mm under 2 atan(0.5) has a focal length of 24 mm; at f/2 and a unit of 0.1 m that is a radius of
     # 0.006 / 0.1 = 0.06 units.
-    view, folder, _ = exported
+    _, folder, _ = exported
     angle = 2 * np.degrees(np.arctan(0.5))
     words = ["--color", folder / "color.npy", "--depth", folder / "depth.npy", "--methods", "scatter", "--json"]
     found = run(*words, "--fov", angle, "--focus", 3, "--f-number", 2, "--units", 0.1, "--out", tmp_path)
@@ -191,7 +191,7 @@ WRONG = [
     (["--fov", 40, "--focus", 3, "--f-number", 2, "--sensor", "nan"], "sensor: got nan; allowed is"),
     ([*LENS, "--depth-kind", "z"], "kind: got 'z'; allowed are planar, radial"),
     ([*LENS, "--depth-kind", "device"], "near: got none; allowed for device"),
-    ([*LENS, "--near", 1], "near: got 1.0 for planar, which has no such plane"),
+    ([*LENS, "--near", 1], "near: got 1 for planar, which has no such plane"),
     ([*LENS, "--depth-kind", "reversed", "--near", 1, "--far", 2], "depth: largest value is"),
     ([*LENS, "--methods", "accumulation"], "methods: got 'accumulation', which needs triangles; allowed on this frame"),
     ([*LENS, "--methods", "scater"], "method: got 'scater'; did you mean 'scatter'?"),
