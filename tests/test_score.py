@@ -94,8 +94,8 @@ def test_the_floor_of_a_pair_is_that_of_the_estimates():
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["truth.npy", "none.npy"], "image: cannot read 'none.npy'"),
-        (["none.npy", "truth.npy"], "reference: cannot read 'none.npy'"),
+        (["truth.npy", "none.npy"], "image: got 'none.npy': there is no such file"),
+        (["none.npy", "truth.npy"], "reference: got 'none.npy': there is no such file"),
         (["truth.npy", "small.npy"], r"image: got shape \(11, 11, 3\); allowed is \(24, 32, 3\) \(small.npy\)"),
         (["tiny.npy", "tiny.npy"], "reference: got 2x2 pixels; allowed for scores is at least 11x11"),
         (["truth.npy", "nan.npy"], r"image: has 1 NaN values; none are allowed \(nan.npy\)"),

@@ -56,8 +56,8 @@ def load_frame(
         for name, given in (("depth", depth), ("color", layer)):
             if given is not None:
                 raise InputError(f"{name}: got {str(given)!r} with a deep file; allowed is none, it has its own")
-        surfaces = _surfaces(path, layers, fov_y, depth_kind, near, far)
-        pixels, planar = surfaces.color[0], surfaces.depth[0]
+        surfaces, pixels = _surfaces(path, layers, fov_y, depth_kind, near, far)
+        planar = surfaces.depth[0]
         camera = frame_camera(fov_y, (pixels.shape[1], pixels.shape[0]))
     else:
         pixels = read_color("color", path) if layers is None else color_of("color", path, layers, layer)
@@ -77,7 +77,9 @@ def _stored_depth(path: str, layers: Layers | None, depth: str | os.PathLike[str
     return depth_of("depth", path, layers)
 
 
-def _surfaces(path: str, layers: Layers, fov_y: float, kind: str, near: float | None, far: float | None) -> Surfaces:
+def _surfaces(
+    path: str, layers: Layers, fov_y: float, kind: str, near: float | None, far: float | None
+) -> tuple[Surfaces, Float]:
     color, depth, opacity = sample_layer("color", path, layers)
     height, width = depth.shape
     camera = frame_camera(fov_y, (width, height))

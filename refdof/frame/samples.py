@@ -1,9 +1,10 @@
 """Samples: deep pixels, as surfaces for methods of layers.
 
-A deep pixel holds samples of a depth, a colour times its opacity, and an opacity. Methods know opaque surfaces only. So
-samples are gathered front to back until together they hide half of what is behind them, or more: that is one surface,
-of their colour over their opacity, at the depth of the last of them. What is left over behind hides less than half,
-and is dropped. An opaque sample with nothing gathered before it is a surface as it is.
+A deep pixel holds samples of a depth, a colour times its opacity, and an opacity. Methods know surfaces. Samples are
+gathered front to back until together they hide half of what is behind them, or more: that is one surface, at the depth
+of the last of them. What is left over behind hides less than half, and is none. The colour of a surface is what the
+pixel's ray sees from there on, as that of a transparent surface of a scene: its first sample over the next one, and so
+on. An opaque sample with nothing gathered before it is a surface as it is.
 """
 
 from collections.abc import Sequence
@@ -57,10 +58,10 @@ def flat_samples(color: Sequence[np.ndarray], depth: np.ndarray, opacity: np.nda
     )
 
 
-def surfaces_of_samples(samples: Samples, size: tuple[int, int]) -> Layers:
-    """Opaque surfaces of samples with planar depths, front to back, of a picture of this width and height.
+def surfaces_of_samples(samples: Samples, size: tuple[int, int]) -> tuple[Layers, Float]:
+    """Surfaces of samples with planar depths, front to back, and the flat picture, of this width and height.
 
-    Normals are zeros, and triangles are numbers of layers. Samples at infinity are left out.
+    Normals are zeros, and triangles are numbers of layers. Samples at infinity are seen, but are no surface.
 
     Raises
     ------
@@ -69,16 +70,17 @@ def surfaces_of_samples(samples: Samples, size: tuple[int, int]) -> Layers:
     """
     width, height = size
     counts = np.zeros((height, width), np.int64)
-    nothing = np.zeros((0, height, width))
-    _gather(*samples, np.zeros((*nothing.shape, 3), np.float32), nothing, counts)
+    flat, nothing = np.zeros((height, width, 3), np.float32), np.zeros((0, height, width))
+    _gather(*samples, np.zeros((*nothing.shape, 3), np.float32), nothing, counts, flat)
     most = max(1, int(counts.max(initial=0)))
     if most > _MOST_LAYERS:
         raise InputError(f"depth: a pixel has {most} surfaces; allowed are at most {_MOST_LAYERS}")
     shape = (most, height, width)
     color, depth = np.zeros((*shape, 3), np.float32), np.full(shape, np.inf)
-    _gather(*samples, color, depth, counts)
+    _gather(*samples, color, depth, counts, flat)
     number = np.arange(most, dtype=np.int32)[:, None, None]
-    return Layers(color, depth, np.zeros((*shape, 3), np.float32), np.where(number < counts, number, np.int32(-1)))
+    triangle = np.where(number < counts, number, np.int32(-1))
+    return Layers(color, depth, np.zeros((*shape, 3), np.float32), triangle), flat
 
 
 def _flat(channel: np.ndarray, counts: Index) -> np.ndarray:
@@ -89,31 +91,37 @@ def _flat(channel: np.ndarray, counts: Index) -> np.ndarray:
 
 
 @kernel
-def _gather(start, color, depth, opacity, out_color, out_depth, counts):
-    """Write the surfaces of every pixel into out_color (N, H, W, 3) and out_depth (N, H, W), the first N of them, and
-    how many there are into counts (H, W).
+def _gather(start, color, depth, opacity, out_color, out_depth, counts, flat):
+    """Write the surfaces of every pixel into out_color (N, H, W, 3) and out_depth (N, H, W), the first N of them, how
+    many there are into counts (H, W), and what the pixel sees into flat (H, W, 3).
     """
     height, width = counts.shape
     for y in prange(height):
         for x in range(width):
             first, last = start[y * width + x], start[y * width + x + 1]
             order = _front_to_back(depth, first, last)
-            found = 0
-            red, green, blue, hidden = 0.0, 0.0, 0.0, 0.0
-            for k in order:
-                if depth[k] == np.inf:
+
+            # Back to front: what is seen from each sample on.
+            seen = np.zeros((len(order) + 1, 3))
+            for k in range(len(order) - 1, -1, -1):
+                through = 1.0 - opacity[order[k]]
+                for c in range(3):
+                    seen[k, c] = color[order[k], c] + through * seen[k + 1, c]
+            for c in range(3):
+                flat[y, x, c] = seen[0, c]
+
+            # Front to back: a surface wherever half is hidden.
+            found, begin, through = 0, 0, 1.0
+            for k in range(len(order)):
+                if depth[order[k]] == np.inf:
                     break
-                seen = 1.0 - hidden
-                red, green, blue = red + seen * color[k, 0], green + seen * color[k, 1], blue + seen * color[k, 2]
-                hidden += seen * opacity[k]
-                if hidden >= _HALF:
+                through *= 1.0 - opacity[order[k]]
+                if through <= _HALF:
                     if found < len(out_depth):
-                        out_color[found, y, x, 0] = red / hidden
-                        out_color[found, y, x, 1] = green / hidden
-                        out_color[found, y, x, 2] = blue / hidden
-                        out_depth[found, y, x] = depth[k]
-                    found += 1
-                    red, green, blue, hidden = 0.0, 0.0, 0.0, 0.0
+                        for c in range(3):
+                            out_color[found, y, x, c] = seen[begin, c]
+                        out_depth[found, y, x] = depth[order[k]]
+                    found, begin, through = found + 1, k + 1, 1.0
             counts[y, x] = found
 
 

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 import OpenEXR
 
-from refdof._check import Float, InputError, as_path
+from refdof._check import Float, InputError
+from refdof._files import as_plain_file
 
-__all__ = ["DECODERS_RAISE", "MOST_PIXELS", "check_plain_file", "is_deep", "read_layers", "save_channels"]
+__all__ = ["DECODERS_RAISE", "MOST_PIXELS", "is_deep", "read_layers", "save_channels"]
 
 # What decoders of files raise.
 DECODERS_RAISE = (OSError, ValueError, RuntimeError, EOFError, SyntaxError, TypeError, MemoryError, OverflowError)
@@ -35,20 +36,6 @@ def save_channels(path: Path, channels: Mapping[str, Float]) -> None:
     OpenEXR.File(header, {name: values.astype(np.float32) for name, values in channels.items()}).write(str(path))
 
 
-def check_plain_file(argument: str, path: str | os.PathLike[str]) -> Path:
-    """Return the path of a file that can be read to its end: no folder, pipe or device.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is not a regular one.
-    """
-    file = as_path(argument, path)
-    if file.exists() and not file.is_file():
-        raise InputError(f"{argument}: got {str(path)!r}, which is not a regular file; allowed is the path of a file")
-    return file
-
-
 def read_layers(argument: str, path: str | os.PathLike[str]) -> dict[str, dict[str, np.ndarray]]:
     """The channels of a file by layer and letter.
 
@@ -62,9 +49,9 @@ def read_layers(argument: str, path: str | os.PathLike[str]) -> dict[str, dict[s
     InputError
         If the file is missing, damaged or too large, its pixels are not square, or parts of it are cropped.
     """
-    file = check_plain_file(argument, path)
+    file = as_plain_file(argument, path)
     try:
-        with open(file, "rb"):  # a missing file gets the system's own words, not the decoder's
+        with open(file, "rb"):  # one that may not be read gets the system's own words, not the decoder's
             pass
         with _silence(), OpenEXR.File(str(file), separate_channels=True, header_only=True) as opened:
             counts = [_check_header(argument, path, part.header) for part in opened.parts]

@@ -13,10 +13,11 @@ import imageio.v3 as imageio
 import numpy as np
 
 from refdof._check import Float, InputError, as_image, as_path
+from refdof._files import as_plain_file
 from refdof.image.atomic import atomic_path
 from refdof.image.channel_choice import color_of, depth_of, split_layer
 from refdof.image.display import linear_from_display, to_8_bit
-from refdof.image.exr import DECODERS_RAISE, MOST_PIXELS, check_plain_file, is_deep, read_layers, save_channels
+from refdof.image.exr import DECODERS_RAISE, MOST_PIXELS, is_deep, read_layers, save_channels
 from refdof.image.radiance import read_radiance
 
 __all__ = ["PNG_STRATEGY", "SUFFIXES", "load_image", "png_bytes", "read_color", "read_numbers", "save_image"]
@@ -120,13 +121,13 @@ def read_numbers(argument: str, path: str | os.PathLike[str], by_name: bool = Tr
 
 def read_npy(argument: str, path: str) -> np.ndarray:
     """An array, which must be as long as its header says."""
-    file = check_plain_file(argument, path)
+    file = as_plain_file(argument, path)
     with _readable(argument, path):
         return np.array(np.load(file, mmap_mode="r", allow_pickle=False))
 
 
 def _read_png(argument: str, path: str) -> Float:
-    file = check_plain_file(argument, path)
+    file = as_plain_file(argument, path)
     with _readable(argument, path):
         with file.open("rb") as stream:
             head = stream.read(24)

@@ -14,7 +14,8 @@ import re
 import numpy as np
 
 from refdof._check import Float, InputError
-from refdof.image.exr import MOST_PIXELS, check_plain_file
+from refdof._files import as_plain_file
+from refdof.image.exr import MOST_PIXELS
 
 __all__ = ["read_radiance"]
 
@@ -35,7 +36,7 @@ def read_radiance(argument: str, path: str | os.PathLike[str]) -> Float:
         If the file is missing, damaged, too large or holds XYZ.
     """
     try:
-        content = check_plain_file(argument, path).read_bytes()
+        content = as_plain_file(argument, path).read_bytes()
     except OSError as error:
         raise InputError(
             f"{argument}: cannot read {str(path)!r} ({error.strerror}); allowed is an image file"

@@ -38,26 +38,37 @@ def test_by_hand(tmp_path):
             [gray(0.125, 0.25, 3.0), gray(0.5, 1, 5.0)],  # a veil belongs to what is behind it
         ],
         [
-            [gray(0.25, 0.5, 1.0), gray(0.125, 0.25, 2.0)],  # half hides: a surface; a veil behind is dropped
+            [gray(0.25, 0.5, 1.0), gray(0.125, 0.25, 2.0)],  # half hides: a surface; a veil behind is none
             [gray(0.125, 0.25, 1.0), gray(0.25, 0.5, 2.0), gray(1, 1, np.inf)],
             [(1.0, 2.0, 3.0, 1, 1e10)],  # Blender's background
         ],
     ]
     frame = load(tmp_path, pixels)
     depth, color = frame.layers.depth, frame.layers.color[..., 0]
-    # Behind a veil of 0.25: 0.125 + 0.75 * 0.5 = 0.5 of opacity 1; 0.125 + 0.75 * 0.25 = 0.3125 of 0.25 + 0.75 * 0.5.
+    # Behind a veil of 0.25: 0.125 + 0.75 * 0.5 = 0.5. Half before a veil: 0.25 + 0.5 * 0.125 = 0.3125. A veil before
+    # half before white at infinity: 0.125 + 0.75 * (0.25 + 0.5 * 1) = 0.6875.
     assert depth.tolist() == [[[2.0, np.inf, 5.0], [1.0, 2.0, np.inf]], [[4.0, np.inf, np.inf], [np.inf] * 3]]
-    assert color[0].tolist() == [[0.25, 0.0, 0.5], [0.5, 0.5, 0.0]]
+    assert color[0].tolist() == [[0.25, 0.0, 0.5], [0.3125, 0.6875, 0.0]]
     assert color[1].tolist() == [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]
     assert frame.layers.triangle.tolist() == [[[0, -1, 0], [0, 0, -1]], [[1, -1, -1], [-1, -1, -1]]]
     assert np.array_equal(frame.depth, depth[0])
-    assert np.array_equal(frame.color, frame.layers.color[0])
+    # Blender's background is seen by the flat picture only.
+    assert frame.color.tolist() == [[[c] * 3 for c in (0.25, 0.0, 0.5)], [[0.3125] * 3, [0.6875] * 3, [1.0, 2.0, 3.0]]]
 
 
 def test_without_opacity_all_is_opaque(tmp_path):
     frame = load(tmp_path, [[[(0.5, 0.25, 0.125, 3.0)], []]], "RGBZ")
     assert frame.color.tolist() == [[[0.5, 0.25, 0.125], [0, 0, 0]]]
     assert frame.depth.tolist() == [[3.0, np.inf]]
+
+
+def over(samples):
+    """What is seen of samples front to back, each before black and the others."""
+    light, through = np.zeros(3), 1.0
+    for *color, opacity, _ in samples:
+        light = light + through * np.float32(color)
+        through *= 1 - opacity
+    return light
 
 
 def test_a_plain_loop_finds_the_same_surfaces(tmp_path):
@@ -75,13 +86,14 @@ def test_a_plain_loop_finds_the_same_surfaces(tmp_path):
     for y, row in enumerate(pixels):
         for x, samples in enumerate(row):
             found = []
-            light, through = np.zeros(3), 1.0
-            for *color, opacity, depth in sorted(samples, key=lambda sample: sample[4]):
-                light = light + through * np.float32(color)
+            behind = sorted(samples, key=lambda sample: sample[4])
+            start, through = 0, 1.0
+            for k, (*_, opacity, depth) in enumerate(behind):
                 through *= 1 - opacity
                 if through <= 0.5:
-                    found.append((light / (1 - through), depth))
-                    light, through = np.zeros(3), 1.0
+                    found.append((over(behind[start:]), depth))
+                    start, through = k + 1, 1.0
+            np.testing.assert_allclose(frame.color[y, x], over(behind), rtol=1e-6)
             assert (frame.layers.triangle[:, y, x] >= 0).sum() == len(found)
             for k, (color, depth) in enumerate(found):
                 assert frame.layers.depth[k, y, x] == depth
@@ -215,5 +227,7 @@ def test_a_deep_file_has_its_own_depth_and_one_layer(tmp_path):
 def test_nothing_but_background(tmp_path):
     frame = load(tmp_path, [[[gray(0.5, 1, np.inf)], []], [[], []]])
     assert np.isinf(frame.depth).all()
-    for row in filter_frame(frame, ["lensblur", "scatter"]).rows:
-        assert not row.image.any()
+    assert frame.color[..., 0].tolist() == [[0.5, 0.0], [0.0, 0.0]]
+    lensblur, scatter = filter_frame(frame, ["lensblur", "scatter"]).rows
+    assert not lensblur.image.any()  # for methods of layers, all is before black
+    assert scatter.image.any()

@@ -196,7 +196,7 @@ WRONG = [
     ([*LENS, "--methods", "accumulation"], "methods: got 'accumulation', which needs triangles; allowed on this frame"),
     ([*LENS, "--methods", "scater"], "method: got 'scater'; did you mean 'scatter'?"),
     ([*LENS, "--reference", "small.npy"], r"reference: got shape \(2, 2, 3\); allowed is"),
-    ([*LENS, "--reference", "none.npy"], "reference: cannot read"),
+    ([*LENS, "--reference", "none.npy"], "reference: got 'none.npy': there is no such file"),
     ([*LENS, "--out", "file"], "out: got 'file', but"),
     ([*LENS, "--set", "order=none"], "set: got"),
     (["--coc", "coc.npy"], r"coc: got shape \(2, 2\); allowed is"),
