@@ -26,7 +26,7 @@ from refdof.options import (
     set_threads,
     settings_by_method,
 )
-from refdof.progress import progress_line
+from refdof.progress import overall, progress_line
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.score import score_images
 
@@ -119,8 +119,8 @@ def filter_files(
     truth = None if reference is None else read_color("reference", reference)
     command = "refdof " + shlex.join(sys.argv[1:])
     with progress_line() as tell:
-        comparison = filter_frame(frame, names, params, presets, truth, tell)
-        tell("report", 0, 1)
+        comparison = filter_frame(frame, names, params, presets, truth, overall(tell, frame.name, 0, 1))
+        tell("report", 1, 1)
         write_comparisons([comparison], out, command)
     if as_json:
         print(json.dumps(rows_as_json(comparison, command), indent=2))
