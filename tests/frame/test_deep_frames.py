@@ -19,6 +19,7 @@ LENS = ThinLens(0.1, 2.0)
 def _unwarmed(monkeypatch):
     """Without compiling first: where nothing is compiled, that takes longer than the rest."""
     monkeypatch.setattr("refdof.compare.warm_up", lambda *_: None)
+    monkeypatch.setattr("refdof.compare._RUNS", 1)
 
 
 def load(folder, pixels, letters="RGBAZ", **more):

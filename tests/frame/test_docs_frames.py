@@ -40,6 +40,7 @@ def run(words):
 def view(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("refdof.compare.warm_up", lambda *_: None)
+    monkeypatch.setattr("refdof.compare._RUNS", 1)
     scene = refdof.load_scene("cans")
     return View(scene, scene.camera.with_size((16, 12)), scene.lens)
 

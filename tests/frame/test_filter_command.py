@@ -12,8 +12,9 @@ from refdof import InputError, ThinLens, View
 from refdof.cli import app
 from refdof.export import export_view
 from refdof.filtering import filter_frame
-from refdof.frame.depth_kinds import DEPTH_KINDS
+from refdof.frame.depth_kinds import DEPTH_KINDS, planar_depth
 from refdof.frame.frame import Frame, frame_camera
+from refdof.methods._image_validation import as_images
 from refdof.rendering import render_view
 from tests.frame import exr_files
 from tests.frame.depth_twin import stored_depth
@@ -28,15 +29,16 @@ PLANES = {"device": [NEAR, FAR], "reversed": [NEAR, FAR], "reversed-infinite": [
 def _unwarmed(monkeypatch):
     """Without compiling first: where nothing is compiled, that takes longer than the rest."""
     monkeypatch.setattr("refdof.compare.warm_up", lambda *_: None)
+    monkeypatch.setattr("refdof.compare._RUNS", 1)
 
 
-@pytest.fixture(scope="module", params=["fence", "branches"])
-def exported(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
     """A view; the folder of its export, where the depth stands in every kind, as float64 and float32; and what each
     filter makes of the scene.
     """
     folder = tmp_path_factory.mktemp("export") / "out"
-    scene = refdof.load_scene(request.param)
+    scene = refdof.load_scene("fence")
     view = View(scene, scene.camera.with_size((17, 13)), scene.lens)
     export_view(view, folder, [])
     depth = np.load(folder / "depth.npy")
@@ -76,12 +78,26 @@ def test_float64_depth_of_every_kind_gives_the_picture_to_the_bit(exported, tmp_
         assert np.array_equal(np.load(tmp_path / f"{name}.npy"), wanted[name]), name
 
 
+@pytest.mark.parametrize("name", ["branches", "cans"])
+def test_float64_depth_of_every_kind_gives_methods_the_same_numbers(name):
+    """What single-image methods take, on more pixels: circles and depths as float32."""
+    scene = refdof.load_scene(name)
+    view = View(scene, scene.camera.with_size((40, 30)), scene.lens)
+    pinhole, wanted = view.pinhole(), as_images(*view.pinhole(), view.coc_px())
+    for kind in DEPTH_KINDS:
+        stored = stored_depth(kind, pinhole.depth, view.camera, 0.01, FAR)
+        planar = planar_depth(stored, kind, view.camera, *([0.01, FAR][: len(PLANES.get(kind, []))]))
+        other = Frame(pinhole.color, planar, frame_camera(view.camera.fov_y, view.camera.size), view.lens).view()
+        for found, given in zip(as_images(*other.pinhole(), other.coc_px()), wanted, strict=True):
+            assert np.array_equal(found, given), kind
+
+
 @pytest.mark.parametrize("kind", DEPTH_KINDS)
 def test_float32_depth_moves_circles_by_its_rounding(exported, kind):
     # A rounding of z is 2^-24 z, of d 2^-25 where it is 0.5 .. 1: dc = P E dz / z^2 and dc = P E dd (1/n - 1/f).
     view, folder, _ = exported
     stored = np.load(folder / f"{kind}-float32.npy")
-    planar = refdof.frame.depth_kinds.planar_depth(stored, kind, view.camera, *PLANES.get(kind, []))
+    planar = planar_depth(stored, kind, view.camera, *PLANES.get(kind, []))
     scale = view.camera.pixels_per_tangent * view.lens.radius
     worst = scale * 2.0**-24 / min(NEAR if kind in PLANES else np.inf, view.pinhole().depth.min())
     moved = np.abs(view.lens.coc_px(planar, view.camera) - view.coc_px()).max()
