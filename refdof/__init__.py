@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from refdof import metrics
     from refdof._check import InputError
+    from refdof.filtering import filter_frame
+    from refdof.frame.files import load_frame
+    from refdof.frame.frame import Frame
     from refdof.methods import METHODS
     from refdof.optics.aperture import Aperture
     from refdof.optics.camera import Camera
@@ -45,6 +48,7 @@ __all__ = [
     "Camera",
     "ExpressiveLens",
     "Forecast",
+    "Frame",
     "HeightLens",
     "InputError",
     "LensSystem",
@@ -60,8 +64,10 @@ __all__ = [
     "ThickLens",
     "ThinLens",
     "View",
+    "filter_frame",
     "forecast",
     "lens_samples",
+    "load_frame",
     "load_lens",
     "load_scene",
     "metrics",
@@ -75,6 +81,7 @@ _HOMES = {
     "Camera": "optics.camera",
     "ExpressiveLens": "optics.expressive_lens",
     "Forecast": "truth.forecast",
+    "Frame": "frame.frame",
     "HeightLens": "optics.systems.height_lens",
     "InputError": "_check",
     "LensSystem": "optics.systems.system",
@@ -92,8 +99,10 @@ _HOMES = {
     "ThickLens": "optics.systems.system",
     "ThinLens": "optics.lens",
     "View": "view",
+    "filter_frame": "filtering",
     "forecast": "truth.forecast",
     "lens_samples": "optics.lens_samples",
+    "load_frame": "frame.files",
     "load_lens": "optics.systems.prescription",
     "load_scene": "scene.load",
     "reference": "truth.reference",

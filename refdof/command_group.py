@@ -38,6 +38,12 @@ COMMANDS: dict[str, Home] = {
         "add_main",
         "Compare methods with a reference: table, images and report.",
     ),
+    "filter": Home(
+        "frame_cli",
+        "add_frames",
+        "Blur a frame made elsewhere: a picture with its depth.",
+    ),
+    "score": Home("frame_cli", "add_frames", "Score pictures made elsewhere with all metrics."),
     "warm": Home(
         "main_cli",
         "add_main",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from refdof._check import InputError, as_choice, as_function, as_instance
+from refdof._check import Float, InputError, as_choice, as_function, as_instance
 from refdof._jit import JIT_DISABLED, compilations, source_digest
 from refdof._store import stored
 from refdof.comparison import Comparison, Row
@@ -29,7 +29,7 @@ from refdof.truth.reference import MAX_SAMPLES, Reference, reference_of_view
 from refdof.view import View, view_of
 from refdof.warm import REFERENCE, job_of, warm
 
-__all__ = ["compare", "warm_up", "warming_up"]
+__all__ = ["as_settings", "check_window", "compare", "distinct", "rows_of", "warm_up", "warming_up"]
 
 _RUNS = 3  # of a method, whose median is told; one if it takes longer than
 _SHORT_S = 1.0
@@ -79,18 +79,9 @@ def compare(
     view.times_warm_runs = True
     as_function("progress", progress)
     as_function("announce", announce)
-    if isinstance(methods, str) or not isinstance(methods, Sequence):
-        raise InputError(f"methods: got {type(methods).__name__}; allowed is a list of names")
-    for name in methods:
-        as_choice("methods", name, METHODS)
-    given = {} if params is None else as_instance("params", params, Mapping)
-    for name, settings in given.items():
-        as_instance(f"params of {as_choice('params', name, methods)}", settings, Mapping)
-    if min(view.camera.size) < WINDOW:
-        width, height = view.camera.size
-        raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
-    values = {name: dict(given.get(name, {})) for name in methods}
-    chosen = _distinct(values, _presets(preset))
+    given = as_settings(methods, params)
+    check_window(view)
+    chosen = distinct(given, preset)
     tell = progress or (lambda _what, _done, _all: None)
 
     def step(done: int, count: int) -> None:
@@ -101,35 +92,12 @@ def compare(
     if tolerance is not None and announce is not None:
         announce(forecast_of_view(view, tolerance, max_samples, seed))
     truth, kept = _kept_reference(view, samples, tolerance, seed, max_samples, step)
-    results = []
-    for k, (name, kind) in enumerate(chosen):
-        if k and name != chosen[k - 1][0]:
-            view.forget_layers()
-        tell(name, k, len(chosen))
-        warm_up(name, values[name], kind)
-        results.append(_timed(name, view, kind, values[name]))
-
-    images = [result.image for result, _ in results]
-    found = scores_of_many(truth.image, images, lambda done, count: tell("scores", done, count))
-    rows = [
-        Row(
-            name,
-            asdict(result.params),
-            result.image,
-            found[k],
-            result.seconds["prepare"],
-            statistics.median(times),
-            kind,
-            len(times),
-            max(times) - min(times) if len(times) > 1 else math.nan,
-        )
-        for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
-    ]
+    rows = rows_of(view, chosen, given, truth.image, tell)
     chart = None
     if isinstance(view.lens, SystemLens):
         tell("lens chart", 0, 1)
         fewer = min(samples, _CHART_SAMPLES)
-        wanted = [(row.name, row.method, row.preset, values[row.method]) for row in rows]
+        wanted = [(row.name, row.method, row.preset, given[row.method]) for row in rows]
         chart = field_strip(
             view,
             wanted,
@@ -168,25 +136,75 @@ def _kept_reference(
     return stored("references", (sources, shot), make), not made
 
 
-def _presets(preset: Any) -> list[str]:
-    """The presets that are asked for, one or more."""
+def as_settings(methods: Any, params: Any) -> dict[str, dict[str, Any]]:
+    """Return the arguments of `compare` as {method: {field: value}} if they are names of methods and their settings."""
+    if isinstance(methods, str) or not isinstance(methods, Sequence):
+        raise InputError(f"methods: got {type(methods).__name__}; allowed is a list of names")
+    for name in methods:
+        as_choice("methods", name, METHODS)
+    given = {} if params is None else as_instance("params", params, Mapping)
+    for name, settings in given.items():
+        as_instance(f"params of {as_choice('params', name, methods)}", settings, Mapping)
+    return {name: dict(given.get(name, {})) for name in methods}
+
+
+def check_window(view: View) -> None:
+    """Raise if the picture is too small for SSIM's window."""
+    if min(view.camera.size) < WINDOW:
+        width, height = view.camera.size
+        raise InputError(f"size: got {width}x{height}; allowed for scores is at least {WINDOW}x{WINDOW}")
+
+
+def distinct(values: Mapping[str, Mapping[str, Any]], preset: Any) -> list[tuple[str, str]]:
+    """Method and preset of each row; presets that give a method the same parameters make one row."""
     several = [preset] if isinstance(preset, str) or not isinstance(preset, Sequence) else list(preset)
     if not several:
         raise InputError(f"preset: got none; allowed are {', '.join(PRESETS)}")
-    return [as_choice("preset", one, PRESETS) for one in several]
-
-
-def _distinct(values: Mapping[str, Mapping[str, Any]], presets: Sequence[str]) -> list[tuple[str, str]]:
-    """Method and preset of each row; presets that give a method the same parameters make one row."""
+    presets = [as_choice("preset", one, PRESETS) for one in several]
     rows = []
     for name, given in values.items():
         seen: list[Any] = []
-        for preset in presets:
-            params = make_params(name, given, preset)
+        for one in presets:
+            params = make_params(name, given, one)
             if params not in seen:
                 seen.append(params)
-                rows.append((name, preset))
+                rows.append((name, one))
     return rows
+
+
+def rows_of(
+    view: View,
+    chosen: Sequence[tuple[str, str]],
+    values: Mapping[str, Mapping[str, Any]],
+    reference: Float | None,
+    tell: Callable[[str, int, int], None],
+) -> list[Row]:
+    """Render each method and preset, timed warm; scored where there is a reference."""
+    results = []
+    for k, (name, kind) in enumerate(chosen):
+        if k and name != chosen[k - 1][0]:
+            view.forget_layers()
+        tell(name, k, len(chosen))
+        warm_up(name, values[name], kind)
+        results.append(_timed(name, view, kind, values[name]))
+    found: list[dict[str, float]] = [{} for _ in results]
+    if reference is not None:
+        images = [result.image for result, _ in results]
+        found = scores_of_many(reference, images, lambda done, count: tell("scores", done, count))
+    return [
+        Row(
+            name,
+            asdict(result.params),
+            result.image,
+            found[k],
+            result.seconds["prepare"],
+            statistics.median(times),
+            kind,
+            len(times),
+            max(times) - min(times) if len(times) > 1 else math.nan,
+        )
+        for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
+    ]
 
 
 def _timed(name: str, view: View, preset: str, values: Mapping[str, Any]) -> tuple[Result, list[float]]:

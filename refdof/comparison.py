@@ -65,22 +65,29 @@ class Comparison:
 
     Attributes
     ----------
-    pinhole, reference, standard_error : (H, W, 3) float32, linear RGB
-    samples : mean lens samples per pixel of the reference
-    noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise
+    lens : None where circles of confusion were given instead
+    pinhole : (H, W, 3) float32, linear RGB
+    reference, standard_error : the same, or None where there is none; without a reference, rows have no scores
+    samples, seconds : mean lens samples per pixel of the reference; NaN of one made elsewhere
+    noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise; NaN: unknown
     kept : whether the reference, and its `seconds`, are of an earlier run of the same
     chart : of a real lens
     """
 
     scene: str
     camera: Camera
-    lens: ThinLens
+    lens: ThinLens | None
     pinhole: Float
-    reference: Float
-    standard_error: Float
+    reference: Float | None
+    standard_error: Float | None
     samples: float
     seconds: float
     noise_floor_psnr: float
     rows: tuple[Row, ...]
     kept: bool = False
     chart: Chart | None = None
+
+    @property
+    def standard(self) -> tuple[str, Float]:
+        """Name and picture of what methods stand beside: the reference, or without one the pinhole's."""
+        return ("pinhole", self.pinhole) if self.reference is None else ("reference", self.reference)

@@ -98,16 +98,16 @@ def save_stages(method: str, view: View, result: Result, folder: str | os.PathLi
 
 
 def _inputs(view: View, count: int) -> dict[str, Described]:
-    """What methods are given, in float32 as they have it."""
+    """What methods are given, in float32 as they have it; but the depth, of which circles are made, in float64."""
     pinhole, layers = view.pinhole(), view.layers(count)
     with np.errstate(over="ignore"):
-        depth, layer_depth = pinhole.depth.astype(np.float32), layers.depth.astype(np.float32)
+        layer_depth = layers.depth.astype(np.float32)
     coc, layer_coc = (
         values.astype(np.float32) for values in (view.coc_px(), view.lens.coc_px(layers.depth, view.camera))
     )
     return {
         "color": Described(pinhole.color, "H W 3", "linear RGB", "what a pinhole sees"),
-        "depth": Described(depth, "H W", "scene units", "planar depth of it; inf is background"),
+        "depth": Described(pinhole.depth, "H W", "scene units", "planar depth of it; inf is background"),
         "coc": Described(coc, "H W", "px", "signed circle of confusion of it, a radius"),
         "layer_color": Described(layers.color, "L H W 3", "linear RGB", "surfaces, front to back; 0: none"),
         "layer_depth": Described(layer_depth, "L H W", "scene units", "their planar depth; inf where there is none"),

@@ -20,8 +20,12 @@ import numpy as np
 import refdof
 from refdof import METHODS, Aperture, Camera, ExpressiveLens, Light, Material, Part, Scene, ThinLens, View
 from refdof.compare import compare
+from refdof.filtering import methods_of_frame
 from refdof.focus.focus_lens import Focus, focus_lens
 from refdof.focus.point import FocusPoint, pick
+from refdof.frame.depth_kinds import planar_depth
+from refdof.frame.files import load_frame
+from refdof.frame.frame import Frame, frame_camera
 from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
@@ -83,6 +87,7 @@ SCENE = Scene.from_parts("stage", [PART], CAMERA, LENS, (0.1, 0.2, 0.3), LIGHT)
 MOVING = SCENE.with_frames(np.stack([SCENE.vertices, SCENE.vertices + 0.5]))
 COLOR = np.linspace(0.1, 1.0, 18).reshape(2, 3, 3).astype(np.float32)
 WIDE = np.linspace(0.0, 1.0, 363).reshape(11, 11, 3)
+FRAME = Frame(WIDE, np.full((11, 11), 2.0), LARGER, LENS)
 DEPTH = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, INF]])
 COC = np.array([[-2.0, -1.0, 0.0], [0.5, 1.0, 1.5]])
 CAMERA_SPACE = np.array([[-9.0, -9.0, -4.0], [9.0, -9.0, -4.0], [0.0, 9.0, -3.0]])
@@ -102,6 +107,12 @@ def _unwarmed(**words: Any) -> Any:
     """`compare` without compiling first: where nothing is compiled, that takes longer than the rest."""
     with mock.patch("refdof.compare.warm_up"):
         return compare(**words)
+
+
+def _unwarmed_filter(**words: Any) -> Any:
+    """`filter_frame` in the same way."""
+    with mock.patch("refdof.compare.warm_up"):
+        return refdof.filter_frame(**words)
 
 
 def _rendered(name: str) -> Callable[..., Any]:
@@ -186,6 +197,55 @@ DOORS: dict[str, Door] = {
         {"methods": ("params",), "camera": ("size",)},
         any_result=True,  # PSNR of identical pictures
     ),
+    "refdof.filtering.filter_frame": Door(
+        _unwarmed_filter,
+        {
+            "frame": FRAME,
+            "methods": ["scatter"],
+            "params": {"scatter": {}},
+            "preset": "best",
+            "reference": WIDE,
+            "progress": None,
+        },
+        {"params": ("order",), "methods": ("params",), "frame": ("reference",)},
+        True,
+    ),
+    "refdof.filtering.methods_of_frame": Door(methods_of_frame, {"frame": FRAME}),
+    "refdof.frame.depth_kinds.planar_depth": Door(
+        planar_depth,
+        {"values": np.minimum(DEPTH, 6.0) / 8.0, "kind": "device", "camera": CAMERA, "near": 1.0, "far": 9.0},
+        {"values": ("depth",), "camera": ("depth",), "kind": ("depth", "near", "far"), "near": ("far",)},
+        True,
+    ),
+    "refdof.frame.files.load_frame": Door(
+        load_frame,
+        {
+            "color": "picture.npy",
+            "depth": "depth.npy",
+            "fov_y": 40.0,
+            "lens": LENS,
+            "coc": None,
+            "depth_kind": "planar",
+            "near": None,
+            "far": None,
+        },
+        {"depth_kind": ("kind", "depth", "near", "far"), "color": ("depth",), "coc": ("lens",)},
+    ),
+    "refdof.frame.frame.Frame": Door(
+        Frame,
+        {
+            "color": COLOR,
+            "depth": DEPTH,
+            "camera": CAMERA,
+            "lens": LENS,
+            "coc": None,
+            "layers": None,
+            "background": (0.0, 0.0, 0.0),
+            "name": "frame",
+        },
+        {"camera": ("color",), "coc": ("lens",)},
+    ),
+    "refdof.frame.frame.frame_camera": Door(frame_camera, {"fov_y": 40.0, "size": (3, 2)}),
     "refdof.image.display.display": Door(refdof.image.display.display, {"linear": COLOR}, {"linear": ("image",)}),
     "refdof.image.display.display_slope": Door(
         refdof.image.display.display_slope, {"linear": COLOR}, {"linear": ("image",)}
@@ -290,6 +350,12 @@ DOORS: dict[str, Door] = {
     "refdof.metrics.pointwise.rel_mse": Door(refdof.metrics.rel_mse, _PAIR | {"second_reference": WIDE}, _SIZES),
     "refdof.metrics.pointwise.rmse": Door(refdof.metrics.rmse, _PAIR | {"second_reference": WIDE}, _SIZES),
     "refdof.metrics.structural.ssim": Door(refdof.metrics.ssim, _PAIR, _SIZES),
+    "refdof.image.noise_floor.noise_floor_of_pair": Door(
+        refdof.metrics.noise_floor_of_pair,
+        {"reference": COLOR, "second": COLOR / 2},
+        {"reference": ("second",)},
+        True,
+    ),
     "refdof.image.noise_floor.noise_floor_psnr": Door(
         refdof.metrics.noise_floor_psnr,
         {"reference": COLOR, "standard_error": COLOR / 100},
@@ -597,11 +663,13 @@ INNER_MODULES = {
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
     "focus.aperture_spline", "focus.fading", "focus.focus_file", "focus.keys", "focus.moving_least_squares",
-    "focus_cli", "listing_cli", "main_cli", "lens_cli",
+    "focus_cli", "frame_cli", "listing_cli", "main_cli", "lens_cli",
     "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
-    "image.arrays", "image.atomic", "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
+    "image.arrays", "image.atomic", "image.channel_choice", "image.exr", "image.radiance",
+    "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.beside", "scene.formats",
+    "frame.samples", "score",
     "scene.animation", "scene.gltf", "scene.kit", "scene.lens_chart", "scene.smooth_normals",
     "scene.framing",
     "raster.rays.gbuffer", "raster.rays.layer_color", "raster.rays.exact_layers", "raster.rays.embree",
@@ -622,6 +690,13 @@ INNER_MODULES = {
     "methods.singlepass.planar", "methods.singlepass.trace", "methods.singlepass.walk",
 }  # fmt: skip
 INNER = {
+    "refdof.frame.depth_kinds.planar_of",
+    "refdof.frame.depth_kinds.ray_lengths",
+    "refdof.frame.frame.FrameView",
+    "refdof.compare.as_settings",
+    "refdof.compare.check_window",
+    "refdof.compare.distinct",
+    "refdof.compare.rows_of",
     "refdof.compare.warm_up",
     "refdof.compare.warming_up",
     "refdof.image.display.levels",
@@ -631,7 +706,8 @@ INNER = {
     "refdof.scene.material.as_colors",
     "refdof.scene.material.as_opacity",
     "refdof.image.display.encode",
-    "refdof.image.file.save_channels",
+    "refdof.image.file.read_color",
+    "refdof.image.file.read_numbers",
     "refdof.image.display.encode_one",
     "refdof.truth.forecast.Forecast",
     "refdof.optics.pixel_samples.LensPointSets",

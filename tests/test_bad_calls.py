@@ -21,9 +21,10 @@ CASES = [(name, argument) for name, door in DOORS.items() for argument in door.b
 
 @pytest.fixture(autouse=True)
 def _files(tmp_path, monkeypatch):
-    """A folder with a picture and a mesh, so that paths in the table are valid."""
+    """A folder with a picture, its depth and a mesh, so that paths in the table are valid."""
     monkeypatch.chdir(tmp_path)
     save_image("picture.npy", np.full((2, 2, 3), 0.5))
+    np.save("depth.npy", np.full((2, 2), 2.0))
     (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
 
 

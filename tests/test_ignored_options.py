@@ -15,6 +15,7 @@ RENDER = ["render", "fence", "--method", "singlepass", "--size", "9x9", "-o", "a
 OF_MIPMAP = ["render", "fence", "--method", "mipmap", "--size", "9x9", "-o", "a.npy", "--stages", "b"]
 OF_POISSON = ["export", "fence", "--methods", "poisson,mipmap", "--size", "9x9", "--out", "a"]
 EXPLAIN = ["explain", "CASE", "--pixel", "0,0"]
+FRAME, A_LENS = ["--color", "a.npy"], ["--fov", "40", "--focus", "3", "--lens-radius", "1"]
 RESULTS, IMPL, SHADER = ["--results", "."], ["--impl", "x {case} {out}"], ["--shader", "x.frag"]
 
 # A command line, the option that it would ignore, its value (None: a flag), and why.
@@ -38,6 +39,12 @@ REFUSED = [
         ("lens", "biconvex", "with --focus-points, which need a thin lens"),
     )),
     (["compare", "fence"], "max-samples", "64", "without --tolerance"),
+    (["filter", *FRAME, "--json"], "wide", None, "with --json"),
+    (["score", "a.npy", "b.npy", "--json"], "wide", None, "with --json"),
+    (["score", "a.npy", "b.npy", "--variance", "c.npy"], "second", "d.npy", "with --variance"),
+    *((["filter", *FRAME, "--coc", "c.npy"], option, "2", "with --coc, which replaces it")
+      for option in ("fov", "focus", "lens-radius", "f-number", "sensor", "units")),
+    *((["filter", *FRAME, *A_LENS], option, "2", "with --lens-radius") for option in ("sensor", "units")),
     (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
         ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
@@ -67,6 +74,8 @@ HEEDED = {
     "export": "out methods set layers size eye target up limit no-file-camera lens-radius focus-points threads json",
     "compare": "methods out set preset size eye target up limit no-file-camera lens-radius focus-points seed tolerance "
     "threads json",
+    "filter": "color depth depth-kind near far coc reference methods out set preset threads json",
+    "score": "variance threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",

@@ -20,9 +20,9 @@ import numpy as np
 
 from refdof._check import Float, as_image
 from refdof._jit import inline, tile_kernel
-from refdof.image.display import display_slope, encode_one
+from refdof.image.display import display, display_slope, encode_one
 
-__all__ = ["LEAST_GROUPS", "floor_of_moments", "noise_floor_psnr", "noise_moments"]
+__all__ = ["LEAST_GROUPS", "floor_of_moments", "noise_floor_of_pair", "noise_floor_psnr", "noise_moments"]
 
 LEAST_GROUPS = 4  # of estimates
 _MOST_LEVELS = 4  # means of 1, 2, 4, 8 groups of 16
@@ -54,6 +54,28 @@ def noise_floor_psnr(reference: Any, standard_error: Any) -> float:
     error = as_image("standard_error", standard_error, value.shape, dtype=np.float64, minimum=0.0)
     seen = display_slope(value) * error
     mean_square = float(np.mean(seen * seen * _share_below_white(value, error)))
+    return 10.0 * math.log10(1.0 / mean_square) if mean_square > 0.0 else math.inf
+
+
+def noise_floor_of_pair(reference: Any, second: Any) -> float:
+    """PSNR ceiling of the display image [dB] from two independent references of as many samples; inf if they agree.
+
+    The squared difference of two independent values is twice the variance of one. No model of the noise is needed.
+
+    Parameters
+    ----------
+    reference, second : (H, W, 3)
+        Linear RGB.
+
+    Raises
+    ------
+    InputError
+        If shapes differ, or a value is not finite.
+    """
+    first = as_image("reference", reference, dtype=np.float64)
+    other = as_image("second", second, first.shape, dtype=np.float64)
+    difference = display(first).astype(np.float64) - display(other)
+    mean_square = float(np.mean(difference * difference)) / 2.0
     return 10.0 * math.log10(1.0 / mean_square) if mean_square > 0.0 else math.inf
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from refdof._jit import run_tasks, thread_count
-from refdof.image.noise_floor import noise_floor_psnr
+from refdof.image.noise_floor import noise_floor_of_pair, noise_floor_psnr
 from refdof.metrics._pair import Shown, shown
 from refdof.metrics.perceptual import FLIP_PPD, Asker, flip, flip_processes
 from refdof.metrics.pointwise import max_abs, psnr, psnr_8bit, rel_mse, rmse
@@ -21,6 +21,7 @@ __all__ = [
     "Metric",
     "flip",
     "max_abs",
+    "noise_floor_of_pair",
     "noise_floor_psnr",
     "psnr",
     "psnr_8bit",

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float
-from refdof.image.file import save_channels
+from refdof.image.exr import save_channels
 from refdof.methods import METHODS
 from refdof.oracle.case import Case
 from refdof.oracle.cases import module_of

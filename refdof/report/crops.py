@@ -35,7 +35,7 @@ class Box:
 
 def choose_crops(comparison: Comparison, width: int, height: int) -> tuple[Box, ...]:
     """Two windows of width x height pixels; one if there is no room for a second. Ties go to the top left."""
-    reference = display(comparison.reference)
+    reference = display(comparison.standard[1])
     error = np.zeros(reference.shape[:2])
     for row in comparison.rows:
         error += squared_error(display(row.image), reference)

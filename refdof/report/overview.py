@@ -27,7 +27,7 @@ from refdof.image.atomic import atomic_path
 from refdof.image.display import display, display_slope
 from refdof.image.file import PNG_STRATEGY
 from refdof.report.crops import Box, crops_of, squared_error
-from refdof.report.table import texts
+from refdof.report.table import noise_in_words, texts
 
 __all__ = ["ERROR_SCALE", "write_overview"]
 
@@ -70,13 +70,13 @@ class _Layout:
 
 @dataclass(frozen=True, eq=False)
 class _Cell:
-    """What one cell shows: images (H, W, 3) in [0, 1]."""
+    """What one cell shows: images (H, W, 3); where there is no error, nothing."""
 
     title: str
     scores: str
     image: Levels
     error_label: str
-    error: Levels
+    error: Levels | None
 
 
 def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None:
@@ -110,7 +110,7 @@ def write_overview(comparison: Comparison, path: str | os.PathLike[str]) -> None
 
 
 def _layout(comparison: Comparison) -> _Layout:
-    height, width = comparison.reference.shape[:2]
+    height, width = comparison.standard[1].shape[:2]
     count = len(comparison.rows)
     bands = max(1, math.ceil(count / _METHODS_PER_BAND))
     columns = 1 + math.ceil(count / bands)
@@ -130,20 +130,24 @@ def _layout(comparison: Comparison) -> _Layout:
 
 
 def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[Box, ...]]:
-    """The reference's cell, then one for each method; and the crops. Every picture is encoded once."""
-    reference = display(comparison.reference)
-    noise = display_slope(comparison.reference) * comparison.standard_error
-    label = f"{ERROR_SCALE} {_TIMES} standard error"
-    shown = [_Cell("reference", _floor(comparison), _levels(reference), label, _levels(ERROR_SCALE * noise))]
-    total = np.zeros(reference.shape[:2])
+    """The reference's cell, or the pinhole's, then one for each method; and the crops. Pictures are encoded once."""
+    name, first = comparison.standard
+    standard, scored = display(first), comparison.reference is not None
+    label, noise = "", None
+    if comparison.standard_error is not None:
+        label = f"{ERROR_SCALE} {_TIMES} standard error"
+        noise = _levels(ERROR_SCALE * display_slope(first) * comparison.standard_error)
+    shown = [_Cell(name, _noise(comparison), _levels(standard), label, noise)]
+    total = np.zeros(standard.shape[:2])
     for row in comparison.rows:
         score = texts(row)
-        told = f"{score['psnr']} dB · {score['ssim']} · {score['flip']}"
+        told = f"{score['psnr']} dB · {score['ssim']} · {score['flip']}" if scored else ""
         image = display(row.image)
-        total += squared_error(image, reference)
-        error = _levels(ERROR_SCALE * np.abs(image - reference))
-        shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |error|", error))
-    return shown, crops_of(total, squared_error(display(comparison.pinhole), reference), *layout.crop)
+        total += squared_error(image, standard)
+        error = _levels(ERROR_SCALE * np.abs(image - standard))
+        what = "error" if scored else "difference"
+        shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |{what}|", error))
+    return shown, crops_of(total, squared_error(display(comparison.pinhole), standard), *layout.crop)
 
 
 def _strips(chart: Chart | None, width: int) -> list[tuple[str, Levels]]:
@@ -169,18 +173,19 @@ def _levels(values: Float) -> Levels:
     return levels
 
 
-def _floor(comparison: Comparison) -> str:
-    floor = comparison.noise_floor_psnr
-    return f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
+def _noise(comparison: Comparison) -> str:
+    return "no reference" if comparison.reference is None else noise_in_words(comparison.noise_floor_psnr)
 
 
 def _header(figure: Figure, comparison: Comparison, width: int) -> None:
-    height, columns = comparison.reference.shape[:2]
-    about = f"{columns} {_TIMES} {height} px, {comparison.samples:.0f} samples per pixel"
+    height, columns = comparison.standard[1].shape[:2]
+    about = f"{columns} {_TIMES} {height} px"
+    if not math.isnan(comparison.samples):
+        about += f", {comparison.samples:.0f} samples per pixel"
     name = _text(figure, _MARGIN_PX, 12, comparison.scene, 17, weight="bold")
     end = name.get_window_extent(figure.canvas.get_renderer()).x1  # type: ignore[attr-defined]
     _text(figure, end + 14, 15, about, 13, color=_PALE_INK)
-    if width > 900:
+    if width > 900 and comparison.reference is not None:
         _text(
             figure,
             width - _MARGIN_PX,
@@ -209,7 +214,8 @@ def _draw_cell(
         _draw_frame(figure, (left, y, wide, high), _CROP_COLORS[k], 2.0)
     y += layout.zoom * layout.crop[1]
     _text(figure, x, y + 5, cell.error_label, 12, color=_PALE_INK)
-    _draw_picture(figure, canvas, cell.error, crops, (x, y + _LABEL_PX, width, height))
+    if cell.error is not None:
+        _draw_picture(figure, canvas, cell.error, crops, (x, y + _LABEL_PX, width, height))
 
 
 def _draw_picture(

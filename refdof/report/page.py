@@ -30,11 +30,12 @@ _THUMBNAIL_PX = 320
 
 def report_page(comparison: Comparison, command: str = "") -> str:
     """One self-contained page: viewer, table, parameters and command. No link, no outside resource."""
-    height, width = comparison.reference.shape[:2]
+    standard, first = comparison.standard
+    height, width = first.shape[:2]
     encoding = "float16" if width * height <= FLOAT_LIMIT_PX else "png"
-    images = [("reference", comparison.reference), ("pinhole", comparison.pinhole)]
+    images = [(standard, first), *([("pinhole", comparison.pinhole)] if standard != "pinhole" else [])]
     images += [(row.name, row.image) for row in comparison.rows]
-    if encoding == "float16":
+    if encoding == "float16" and comparison.standard_error is not None:
         images.append(("standard error", comparison.standard_error))
     values = rows_as_json(comparison, command)
     return rendered(
@@ -61,7 +62,7 @@ def _strips(chart: Chart) -> dict[str, Any]:
 def index_page(comparisons: Sequence[Comparison], folders: Sequence[str], command: str = "") -> str:
     """A page above several reports: a picture, the table and the way to each."""
     scenes = [
-        {"name": c.scene, "folder": folder, "thumbnail": _png(_smaller(c.reference)), "table": _table(c)}
+        {"name": c.scene, "folder": folder, "thumbnail": _png(_smaller(c.standard[1])), "table": _table(c)}
         for c, folder in zip(comparisons, folders, strict=True)
     ]
     return rendered("index.html", scenes=scenes, command=command)

@@ -6,6 +6,7 @@ becomes the string "inf" or "-inf", a NaN or a missing score becomes null.
 
 import math
 import shlex
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -19,7 +20,7 @@ from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
 from refdof.optics.systems.system_lens import SystemLens
 
-__all__ = ["DISPLAY", "at_noise_floor", "command_of", "lens_as_json", "plain", "rows_as_json"]
+__all__ = ["DISPLAY", "at_noise_floor", "command_of", "is_at_floor", "lens_as_json", "plain", "rows_as_json"]
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
@@ -36,11 +37,14 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
     command : str
         What reproduces it; empty: the nearest `refdof compare` line, made from what the comparison holds.
     """
+    lens = comparison.lens
     return {
         "scene": comparison.scene,
-        "camera": plain(asdict(comparison.camera)),
-        "lens": lens_as_json(comparison.lens),
-        "reference": {
+        "camera": {"size": plain(comparison.camera.size)} if lens is None else plain(asdict(comparison.camera)),
+        "lens": None if lens is None else lens_as_json(lens),
+        "reference": None
+        if comparison.reference is None
+        else {
             "samples": plain(comparison.samples),
             "seconds": plain(comparison.seconds),
             "kept": comparison.kept,
@@ -67,13 +71,21 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
 
 def at_noise_floor(row: Row, comparison: Comparison) -> bool:
     """True if the PSNR is within 3 dB of the noise floor: the reference's noise is then half of the error."""
-    floor = comparison.noise_floor_psnr
-    return math.isfinite(floor) and bool(row.scores.get("psnr", math.nan) >= floor - _FLOOR_MARGIN_DB)
+    return is_at_floor(row.scores, comparison.noise_floor_psnr)
+
+
+def is_at_floor(scores: Mapping[str, float], floor: float) -> bool:
+    """`at_noise_floor` of scores and a floor [dB]; NaN: unknown."""
+    return math.isfinite(floor) and bool(scores.get("psnr", math.nan) >= floor - _FLOOR_MARGIN_DB)
 
 
 def command_of(comparison: Comparison) -> str:
-    """A `refdof compare` line for this shot; of a lens system, focus points and an aperture, the thin lens is said."""
+    """A `refdof compare` line for this shot, empty for a frame made elsewhere; of a lens system, focus points and an
+    aperture, the thin lens is said.
+    """
     camera, lens = comparison.camera, comparison.lens
+    if lens is None or math.isnan(comparison.samples):
+        return ""  # of a frame, whose files are not known here
     words = ["refdof", "compare", comparison.scene, "--size", f"{camera.width}x{camera.height}"]
     for name in ("eye", "target", "up"):
         words += [f"--{name}", ",".join(map(repr, getattr(camera, name)))]

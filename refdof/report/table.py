@@ -5,17 +5,30 @@ import io
 import json
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from refdof.comparison import Comparison, Row
 from refdof.metrics import METRICS
-from refdof.report.rows import DISPLAY, at_noise_floor, plain
+from refdof.report.rows import DISPLAY, at_noise_floor, is_at_floor, plain
 
-__all__ = ["Column", "columns", "csv_table", "footnote", "markdown_table", "reference_line", "terminal_table", "texts"]
+__all__ = [
+    "Column",
+    "columns",
+    "csv_table",
+    "footnote",
+    "footnote_of_metrics",
+    "markdown_table",
+    "noise_in_words",
+    "reference_line",
+    "scores_table",
+    "terminal_table",
+    "texts",
+]
 
 NARROW = ("psnr", "ssim", "flip", "blur_s")
 _TERMINAL = 80  # characters a line
+_NAME = 20  # of a picture's name
 
 
 class Column(NamedTuple):
@@ -51,6 +64,17 @@ def terminal_table(comparisons: Sequence[Comparison]) -> str:
     return "\n\n".join(blocks) + "\n"
 
 
+def scores_table(names: Sequence[str], scores: Sequence[Mapping[str, float]], floor: float, wide: bool = False) -> str:
+    """Scores of pictures made elsewhere, in 80 characters unless it is `wide`; `floor`: noise, NaN if unknown."""
+    shown = [column for column in columns() if column.key in METRICS and (wide or column.key in (*NARROW, "rmse"))]
+    head, body = ["image", *(column.heading for column in shown), "note"], []
+    for name, found in zip(names, scores, strict=True):
+        noted = "noise floor" if is_at_floor(found, floor) else ""
+        told = name if wide or len(name) <= _NAME else f"...{name[3 - _NAME :]}"
+        body.append([told, *(f"{found[c.key]:.{c.decimals}f}" for c in shown), noted])
+    return _aligned(head, body)
+
+
 def _heading(comparison: Comparison) -> str:
     width, height = comparison.camera.size
     return f"### {comparison.scene}, {width} x {height}"
@@ -75,17 +99,36 @@ def texts(row: Row) -> dict[str, str]:
 
 def reference_line(comparison: Comparison) -> str:
     """What the reference is worth, in a sentence."""
-    floor = comparison.noise_floor_psnr
-    noise = f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
+    if comparison.reference is None:
+        return "No reference: methods have no scores."
+    noise = noise_in_words(comparison.noise_floor_psnr)
     if any(at_noise_floor(row, comparison) for row in comparison.rows):
         noise += "; a method within 3 dB of it is at the noise floor: more samples would raise its score"
+    if math.isnan(comparison.samples):
+        return f"Reference: made elsewhere, {noise}."
     samples = f"{comparison.samples:.1f}".removesuffix(".0")
     seconds = f"{comparison.seconds:.1f} s" + (" in an earlier run" if comparison.kept else "")
     return f"Reference: {samples} samples per pixel, {seconds}, {noise}."
 
 
+def noise_in_words(floor: float) -> str:
+    """The noise of a reference, NaN: unknown."""
+    if math.isnan(floor):
+        return "noise unknown"
+    return f"noise floor {floor:.2f} dB" if math.isfinite(floor) else "no noise"
+
+
 def footnote() -> str:
     """What the columns mean: metrics of the display image, metrics of linear values, times."""
+    times = (
+        "Times exclude compilation. Short methods run three times: blur is the median, spread the longest minus the "
+        "shortest. Others run once."
+    )
+    return f"{footnote_of_metrics()}\n{times}"
+
+
+def footnote_of_metrics() -> str:
+    """What the metrics mean: those of the display image, and those of linear values."""
     images = {"display": f"the display image, {DISPLAY['tone_map']}", "linear": "linear values"}
     lines = []
     for values, image in images.items():
@@ -96,10 +139,6 @@ def footnote() -> str:
         ]
         if told:
             lines.append(f"Of {image}: {', '.join(told)}.")
-    lines.append(
-        "Times exclude compilation. Short methods run three times: blur is the median, spread the longest minus the "
-        "shortest. Others run once."
-    )
     return "\n".join(lines)
 
 

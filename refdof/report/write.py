@@ -97,13 +97,13 @@ def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any)
 
 def _images(comparison: Comparison) -> list[tuple[str, Float]]:
     """File name without suffix, and image, of everything that gets a picture."""
-    names = _distinct(["reference", "pinhole", *(row.name for row in comparison.rows)])
-    images = [comparison.reference, comparison.pinhole, *(row.image for row in comparison.rows)]
+    (standard, first), pinhole = comparison.standard, [("pinhole", comparison.pinhole)]
+    shown = [(standard, first), *(pinhole if standard != "pinhole" else [])]
+    names = _distinct([*(name for name, _ in shown), *(row.name for row in comparison.rows)])
+    images = [*(image for _, image in shown), *(row.image for row in comparison.rows)]
     for name, image in zip(names, images, strict=True):
-        if image.shape != comparison.reference.shape:
-            raise InputError(
-                f"{name}: got shape {image.shape}; allowed is the reference's {comparison.reference.shape}"
-            )
+        if image.shape != first.shape:
+            raise InputError(f"{name}: got shape {image.shape}; allowed is the {standard}'s {first.shape}")
     return list(zip(names, images, strict=True))
 
 

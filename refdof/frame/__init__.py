@@ -1,0 +1,1 @@
+"""Frames: pictures made elsewhere, with their depth, for the methods that need no more."""
