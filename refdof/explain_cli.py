@@ -16,14 +16,20 @@ from refdof.methods import METHODS
 from refdof.options import (
     PRESET_HELP,
     AsJson,
+    Background,
     Eye,
+    FNumber,
+    FocalLength,
     Focus,
     Fov,
     Radius,
+    Sensor,
     Settings,
+    Shading,
     Size,
     Target,
     Threads,
+    Units,
     Up,
     pixel_of,
     refuse_ignored,
@@ -33,7 +39,7 @@ from refdof.options import (
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
-from refdof.shot import CameraChoice, LensChoice, scene_camera_lens
+from refdof.shot import CameraChoice, LensChoice, LookChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_explain"]
@@ -73,6 +79,8 @@ def explain(
     preset: Annotated[
         str | None, typer.Option("--preset", metavar="best|paper", help=f"{PRESET_HELP} Default: best.")
     ] = None,
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -80,6 +88,10 @@ def explain(
     fov: Fov = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -97,7 +109,8 @@ def explain(
         refuse_ignored(
             "with a case, which has its own", "with a scene",
             method=method, set=settings, preset=preset, size=size, eye=eye, target=target, up=up, fov=fov,
-            lens_radius=lens_radius, focus=focus,
+            lens_radius=lens_radius, focus=focus, shading=shading, background=background, f_number=f_number,
+            focal_length=focal_length, sensor=sensor, units=units,
         )  # fmt: skip
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
@@ -105,7 +118,9 @@ def explain(
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
-        view = View(*scene_camera_lens(case, CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius, focus)))
+        lens = LensChoice(lens_radius, focus, f_number=f_number, focal_length=focal_length, sensor=sensor, units=units)
+        seen, look = CameraChoice(size, eye, target, up, fov), LookChoice(shading, background)
+        view = View(*scene_camera_lens(case, seen, lens, look))
         found = explain_view(method, view, params, place, stage)
     if out is not None:
         _write(out, found)

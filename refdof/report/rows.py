@@ -19,10 +19,13 @@ from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
 from refdof.optics.systems.system_lens import SystemLens
 
-__all__ = ["DISPLAY", "at_noise_floor", "command_of", "lens_as_json", "plain", "rows_as_json"]
+__all__ = ["DISPLAY", "PHOTOGRAPHIC", "at_noise_floor", "command_of", "lens_as_json", "plain", "rows_as_json"]
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
+
+# What has to be known to compare our circles of confusion with a photographer's.
+PHOTOGRAPHIC = "coc is a radius, (s - f) / s of the photographic circle's; f: focal length, s: focus distance"
 
 _FLOOR_MARGIN_DB = 3.0  # here the reference's noise makes up half of the error or more
 
@@ -39,7 +42,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
     return {
         "scene": comparison.scene,
         "camera": plain(asdict(comparison.camera)),
-        "lens": lens_as_json(comparison.lens),
+        "lens": {**lens_as_json(comparison.lens), "coc_photographic": PHOTOGRAPHIC},
         "reference": {
             "samples": plain(comparison.samples),
             "seconds": plain(comparison.seconds),
