@@ -16,16 +16,22 @@ from refdof.methods import METHODS
 from refdof.options import (
     PRESET_HELP,
     AsJson,
+    Background,
     Eye,
+    FNumber,
+    FocalLength,
     Focus,
     Fov,
     Limit,
     NoFileCamera,
     Radius,
+    Sensor,
     Settings,
+    Shading,
     Size,
     Target,
     Threads,
+    Units,
     Up,
     pixel_of,
     refuse_ignored,
@@ -35,7 +41,7 @@ from refdof.options import (
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
-from refdof.shot import CameraChoice, FileChoice, LensChoice, scene_camera_lens
+from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_explain"]
@@ -75,6 +81,8 @@ def explain(
     preset: Annotated[
         str | None, typer.Option("--preset", metavar="best|paper", help=f"{PRESET_HELP} Default: best.")
     ] = None,
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -84,6 +92,10 @@ def explain(
     no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
+    f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -101,7 +113,8 @@ def explain(
         refuse_ignored(
             "with a case, which has its own", "with a scene",
             method=method, set=settings, preset=preset, size=size, eye=eye, target=target, up=up, fov=fov,
-            lens_radius=lens_radius, focus=focus, limit=limit, no_file_camera=no_file_camera,
+            lens_radius=lens_radius, focus=focus, shading=shading, background=background, f_number=f_number,
+            focal_length=focal_length, sensor=sensor, units=units, limit=limit, no_file_camera=no_file_camera,
         )  # fmt: skip
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
@@ -109,8 +122,9 @@ def explain(
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
-        seen, lens = CameraChoice(size, eye, target, up, fov), LensChoice(lens_radius, focus)
-        view = View(*scene_camera_lens(case, seen, lens, FileChoice(limit, no_file_camera)))
+        lens = LensChoice(lens_radius, focus, f_number=f_number, focal_length=focal_length, sensor=sensor, units=units)
+        seen, look = CameraChoice(size, eye, target, up, fov), SceneChoice(shading, background, limit, no_file_camera)
+        view = View(*scene_camera_lens(case, seen, lens, look))
         found = explain_view(method, view, params, place, stage)
     if out is not None:
         _write(out, found)

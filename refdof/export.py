@@ -16,7 +16,7 @@ from refdof._check import as_choice, as_instance, as_integer
 from refdof.image.arrays import Described, check_arrays_folder, save_arrays
 from refdof.methods import METHODS
 from refdof.rendering import Result, make_params, render_view
-from refdof.report.rows import lens_as_json, plain
+from refdof.report.rows import PHOTOGRAPHIC, lens_as_json, plain
 from refdof.stages import Stage, Stages
 from refdof.view import View
 
@@ -34,6 +34,7 @@ CONVENTIONS: dict[str, str] = {
     "coc_unit": "px_radius",
     "coc_sign": "negative_near",
     "coc": "P * E * (1 / focus - 1 / depth), P in pixels per unit of tangent, E the lens radius",
+    "coc_photographic": PHOTOGRAPHIC,
     "byte_order": "little",
     "memory_order": "C: the last axis runs fastest",
 }

@@ -14,16 +14,22 @@ from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.image.file import save_image
 from refdof.options import (
     AsJson,
+    Background,
     Eye,
+    FNumber,
+    FocalLength,
     Fov,
     Limit,
     NoFileCamera,
     Preset,
     Radius,
+    Sensor,
     Settings,
+    Shading,
     Size,
     Target,
     Threads,
+    Units,
     Up,
     pixel_of,
     set_threads,
@@ -31,7 +37,7 @@ from refdof.options import (
 )
 from refdof.progress import progress_line
 from refdof.rendering import make_params, render_view
-from refdof.shot import CameraChoice, FileChoice, LensChoice, scene_camera_lens
+from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_focus"]
@@ -58,14 +64,15 @@ def pick(
     fov: Fov = None,
     limit: Limit = None,
     no_file_camera: NoFileCamera = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
     frame: Annotated[int, typer.Option("--frame", metavar="N", help="Frame of an animated scene, 24 a second.")] = 0,
     name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Print the focus point under a pixel, ready for a focus.toml."""
-    shot = View(
-        *scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), file=FileChoice(limit, no_file_camera))
-    )
+    lens, read = LensChoice(focal_length=focal_length, sensor=sensor), SceneChoice(None, None, limit, no_file_camera)
+    shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), lens, read))
     view = shot.at_frame(as_number("frame", frame, minimum=0))
     point = pick_point(view, pixel_of(pixel), name)
     if as_json:
@@ -88,6 +95,8 @@ def focus(
     ] = "png",
     settings: Settings = None,
     preset: Preset = "best",
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -96,6 +105,10 @@ def focus(
     limit: Limit = None,
     no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
+    f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -110,9 +123,10 @@ def focus(
     check_own_folder(out, _is_frame)
     params = settings_of(settings or [])
     make_params(method, params, preset)
+    seen, look = CameraChoice(size, eye, target, up, fov), SceneChoice(shading, background, limit, no_file_camera)
+    lens = LensChoice(lens_radius, f_number=f_number, focal_length=focal_length, sensor=sensor, units=units)
+    shot = View(*scene_camera_lens(scene, seen, lens, look))
     wanted = load_focus(points, "points")
-    seen, file = CameraChoice(size, eye, target, up, fov), FileChoice(limit, no_file_camera)
-    shot = View(*scene_camera_lens(scene, seen, LensChoice(lens_radius), file))
     names = []
     with progress_line(f"{scene}: compiling") as tell, atomic_folder(out) as temporary:
         for frame in range(first, end):

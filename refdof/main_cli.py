@@ -24,8 +24,10 @@ from refdof.options import (
     DEFAULT_SCENE,
     PRESET_HELP,
     AsJson,
+    Background,
     Eye,
     FNumber,
+    FocalLength,
     Focus,
     FocusPoints,
     Fov,
@@ -40,12 +42,15 @@ from refdof.options import (
     Radius,
     Samples,
     Seed,
+    Sensor,
     Settings,
+    Shading,
     Size,
     Steps,
     Target,
     Threads,
     Tolerance,
+    Units,
     Up,
     Wavelengths,
     listed,
@@ -60,7 +65,7 @@ from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.scene.builtin import SCENES
-from refdof.shot import CameraChoice, FileChoice, LensChoice, lens_of_points, scene_camera_lens
+from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, photographic_facts, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import samples_taken
 from refdof.truth.tile_sampler import power_of_two
@@ -85,6 +90,8 @@ def render(
     output: Annotated[Path, typer.Option("-o", "--output", help="Output file: .png (display), .exr or .npy (linear).")],
     settings: Settings = None,
     preset: Preset = "best",
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -96,6 +103,9 @@ def render(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
     focus_points: FocusPoints = None,
@@ -125,12 +135,15 @@ def render(
         _say_rounded(method, given.samples, int(power_of_two(given.samples)))
     wanted = stages_of(steps, pixel, [method])
     seen = CameraChoice(size, eye, target, up, fov)
-    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    photo = focal_length, sensor, units
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)
     compiling = "" if is_warm([job_of(method, preset)]) else ", compiling what was not used before"
     with progress_line(f"{scene}: scene{compiling}") as tell:
         with warming_up([(method, preset)] if scene in SCENES else []):
-            loaded, camera, lens = scene_camera_lens(scene, seen, chosen, FileChoice(limit, no_file_camera))
+            look = SceneChoice(shading, background, limit, no_file_camera)
+            loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+        photographic = photographic_facts(view, chosen)
         tell(f"{scene}: {method}{compiling}", 0, 0)
         result = render_view(method, view, wanted if stages is not None else False, preset, **params)
         if stages is not None:
@@ -139,6 +152,7 @@ def render(
     facts = {
         "output": str(output),
         **({} if stages is None else {"stages": str(stages)}),
+        **photographic,
         **{f"{name}_s": round(seconds, 4) for name, seconds in result.seconds.items()},
     }
     print(json.dumps(facts) if as_json else in_words(facts))
@@ -155,6 +169,8 @@ def export(
     layers: Annotated[int, typer.Option("--layers", help="Surfaces per pixel.")] = 4,
     steps: Steps = None,
     pixel: Probes = None,
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -166,6 +182,9 @@ def export(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
     focus_points: FocusPoints = None,
@@ -185,13 +204,15 @@ def export(
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     seen = CameraChoice(size, eye, target, up, fov)
-    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    photo = focal_length, sensor, units
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)
     with progress_line(f"{scene}: scene") as tell:
-        loaded, camera, lens = scene_camera_lens(scene, seen, chosen, FileChoice(limit, no_file_camera))
+        look = SceneChoice(shading, background, limit, no_file_camera)
+        loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
+        facts = {"out": str(out), "methods": ",".join(names), **photographic_facts(view, chosen)}
         tell(f"{scene}: layers and {', '.join(names) or 'no method'}", 0, 0)
         export_view(view, out, names, params, layers, wanted)
-    facts = {"out": str(out), "methods": ",".join(names)}
     print(json.dumps(facts) if as_json else in_words(facts))
 
 
@@ -209,6 +230,8 @@ def compare(
     ] = Path("out"),
     settings: MethodSettings = None,
     preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=PRESET_HELP)] = "best",
+    shading: Shading = None,
+    background: Background = None,
     size: Size = None,
     eye: Eye = None,
     target: Target = None,
@@ -220,6 +243,9 @@ def compare(
     focus: Focus = None,
     lens_file: Lens = None,
     f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
     wavelengths: Wavelengths = None,
     no_vignetting: NoVignetting = None,
     focus_points: FocusPoints = None,
@@ -243,7 +269,9 @@ def compare(
     presets = listed(preset)
     params = settings_by_method(settings or [], names, presets)
     seen = CameraChoice(size, eye, target, up, fov)
-    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting)
+    photo = focal_length, sensor, units
+    chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)
+    look = SceneChoice(shading, background, limit, no_file_camera)
     comparisons: list[Comparison] = []
     soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
@@ -254,7 +282,7 @@ def compare(
             tell(f"{name}: scene", 1000 * number, 1000 * len(wanted))
             share = overall(tell, name, number, len(wanted))
             with warming_up(soon if name in SCENES and not comparisons else []):
-                scene, camera, lens = scene_camera_lens(name, seen, chosen, FileChoice(limit, no_file_camera))
+                scene, camera, lens = scene_camera_lens(name, seen, chosen, look)
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             shot = camera, lens, samples, tolerance, seed
             comparisons.append(compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce))

@@ -10,6 +10,7 @@ from refdof._check import InputError, as_integer
 from refdof._jit import use_threads
 from refdof.methods import METHODS
 from refdof.rendering import make_params
+from refdof.scene.material import SHADINGS
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
 
@@ -17,8 +18,10 @@ __all__ = [
     "DEFAULT_SCENE",
     "PRESET_HELP",
     "AsJson",
+    "Background",
     "Eye",
     "FNumber",
+    "FocalLength",
     "Focus",
     "FocusPoints",
     "Fov",
@@ -33,12 +36,15 @@ __all__ = [
     "Radius",
     "Samples",
     "Seed",
+    "Sensor",
     "Settings",
+    "Shading",
     "Size",
     "Steps",
     "Target",
     "Threads",
     "Tolerance",
+    "Units",
     "Up",
     "Wavelengths",
     "listed",
@@ -54,6 +60,14 @@ __all__ = [
 DEFAULT_SCENE = "fence"
 Size = Annotated[
     str | None, typer.Option("--size", metavar="WxH", help="Image size in pixels. Default: the scene's own.")
+]
+Shading = Annotated[
+    str | None,
+    typer.Option("--shading", metavar="|".join(SHADINGS), help="Of all surfaces. Default: the scene's own."),
+]
+Background = Annotated[
+    str | None,
+    typer.Option("--background", metavar="R,G,B", help="Linear colour behind everything. Default: the scene's own."),
 ]
 _PLACE = "X,Y,Z"
 Eye = Annotated[
@@ -85,7 +99,37 @@ Lens = Annotated[
     ),
 ]
 FNumber = Annotated[
-    float | None, typer.Option("--f-number", help="Stop of the --lens. Default: open as far as it goes.")
+    float | None,
+    typer.Option(
+        "--f-number",
+        help="Focal length over the lens's diameter: with --lens, its stop, by default open as far as it goes; with "
+        "--focal-length or --sensor, it sets the lens radius.",
+    ),
+]
+FocalLength = Annotated[
+    float | None,
+    typer.Option(
+        "--focal-length",
+        metavar="MM",
+        help="In millimetres: with --f-number it sets the lens radius, with --sensor the field of view.",
+    ),
+]
+Sensor = Annotated[
+    float | None,
+    typer.Option(
+        "--sensor",
+        metavar="MM",
+        help="Height of the sensor in millimetres: with --focal-length it sets the field of view; without, and with "
+        "--f-number, the focal length follows from the field of view.",
+    ),
+]
+Units = Annotated[
+    str | None,
+    typer.Option(
+        "--units",
+        metavar="m|cm|mm|inch|ft|METRES",
+        help="What a scene unit is, for --f-number; a --lens then has its own size. Default: m.",
+    ),
 ]
 Wavelengths = Annotated[
     int | None,

@@ -1,14 +1,20 @@
-"""Shot: what options of the command line choose of camera and lens, put over the shot that a scene suggests."""
+"""Shot: what options of the command line choose of camera and lens, put over the shot that a scene suggests.
 
+A field of view is said by --fov, or by --focal-length and --sensor. A lens radius is said by --lens-radius, or by
+--f-number with --focal-length; with --sensor alone, the focal length follows from the field of view. Whatever says a
+thing twice, or nothing, is refused.
+"""
+
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from refdof._check import InputError, as_pair
+from refdof._check import InputError, as_color, as_number, as_pair
 from refdof.focus.focus_file import load_focus
 from refdof.focus.focus_lens import focus_lens
 from refdof.optics.camera import Camera
-from refdof.optics.lens import ThinLens
+from refdof.optics.lens import ThinLens, photographic_share
 from refdof.optics.systems.paraxial import entrance_pupil
 from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system_lens import SystemLens
@@ -18,9 +24,26 @@ from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.view import View
 
-__all__ = ["CameraChoice", "FileChoice", "LensChoice", "lens_of_points", "scene_camera_lens"]
+__all__ = ["CameraChoice", "LensChoice", "SceneChoice", "lens_of_points", "photographic_facts", "scene_camera_lens"]
 
 _PLACES = ("eye", "target", "up")
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "ft": 0.3048}
+
+
+@dataclass(frozen=True)
+class SceneChoice:
+    """What is said of surfaces, of what is behind them, and of how a mesh file is read; None is the scene's own."""
+
+    shading: str | None = None
+    background: str | None = None
+    limit: list[str] | None = None
+    no_file_camera: bool | None = None
+
+    def load(self, name: str) -> Scene:
+        """The scene of a name or file."""
+        background = None if self.background is None else as_color("background", _three("background", self.background))
+        limits = Limits().with_words(self.limit or [])
+        return load_scene(name, self.shading, background, limits=limits, file_camera=not self.no_file_camera)
 
 
 @dataclass(frozen=True)
@@ -51,27 +74,81 @@ class LensChoice:
     f_number: float | None = None
     wavelengths: int | None = None
     no_vignetting: bool | None = None
+    focal_length: float | None = None  # [mm]
+    sensor: float | None = None  # height [mm]
+    units: str | None = None
 
+    def metres(self) -> float:
+        """How many metres a scene unit has."""
+        text = "m" if self.units is None else self.units.strip()
+        try:
+            return _METRES[text] if text in _METRES else as_number("units", float(text), minimum=1e-12, maximum=1e12)
+        except ValueError:
+            allowed = f"{', '.join(_METRES)}, or how many metres a scene unit has, 1e-12 to 1e12"
+            raise InputError(f"units: got {self.units!r}; allowed are {allowed}") from None
 
-@dataclass(frozen=True)
-class FileChoice:
-    """How a mesh file is read, as options have it."""
+    def fov(self) -> float | None:
+        """The field of view that focal length and sensor have, focused at infinity [degrees]."""
+        if self.focal_length is None or self.sensor is None:
+            return None
+        fov = math.degrees(2.0 * math.atan(self.sensor / 2.0 / self.focal_length))
+        if not 1e-6 <= fov <= 179.0:
+            got = f"{self.focal_length:g} with --sensor {self.sensor:g}, a field of view of {fov:g} degrees"
+            raise InputError(f"focal-length: got {got}; allowed are 1e-06 to 179")
+        return fov
 
-    limit: list[str] | None = None
-    no_file_camera: bool | None = None
+    def focal_mm(self, camera: Camera) -> float | None:
+        """The focal length that is said, or that a sensor has with the camera's field of view [mm]."""
+        if self.focal_length is not None or self.sensor is None:
+            return self.focal_length
+        return self.sensor / (2.0 * math.tan(math.radians(camera.fov_y) / 2.0))
 
-    def load(self, name: str) -> Scene:
-        """The scene of a name or file."""
-        return load_scene(name, limits=Limits().with_words(self.limit or []), file_camera=not self.no_file_camera)
+    def thin(self, suggested: ThinLens, camera: Camera) -> ThinLens:
+        """The thin lens that is said."""
+        focus = suggested.focus_distance if self.focus is None else self.focus
+        focal = self.focal_mm(camera)
+        if self.f_number is None or self.file is not None or focal is None:
+            radius = suggested.radius if self.radius is None else self.radius
+            return replace(suggested, radius=radius, focus_distance=focus)
+        return ThinLens.from_f_number(focal / 1000.0 / self.metres(), self.f_number, focus, suggested.aperture)
+
+    def check(self, fov: float | None) -> None:
+        """Raise if a number is not allowed, an option would be ignored, or two say one thing; fov: that of --fov."""
+        self.metres()
+        for name, value in {"focal-length": self.focal_length, "sensor": self.sensor}.items():
+            if value is not None:
+                as_number(name, value, above=0.0)
+        if self.file is not None:
+            refuse_ignored("with --lens, which sets it", "without it", fov=fov)
+            own = "with --lens, which has its own"
+            refuse_ignored(own, "without it", focal_length=self.focal_length, sensor=self.sensor)
+            if self.units is not None:
+                refuse_ignored("with --lens and --units, which set it", "without --units", lens_radius=self.radius)
+            return
+        refuse_ignored("without --lens", "with it", wavelengths=self.wavelengths, no_vignetting=self.no_vignetting)
+        if self.focal_length is None and self.sensor is None:
+            others = "without --lens, --focal-length or --sensor"
+            refuse_ignored(others, "with one of them", f_number=self.f_number)
+        if self.f_number is None:
+            refuse_ignored("without --f-number or --lens", "with one of them", units=self.units)
+            if self.sensor is None:
+                others = "without --f-number or --sensor"
+                refuse_ignored(others, "with one of them", focal_length=self.focal_length)
+            if self.focal_length is None:
+                refuse_ignored("without --f-number or --focal-length", "with one of them", sensor=self.sensor)
+        else:
+            refuse_ignored("with --f-number, which sets it", "without it", lens_radius=self.radius)
+        if self.focal_length is not None and self.sensor is not None:
+            refuse_ignored("with --focal-length and --sensor, which set it", "without one of them", fov=fov)
 
 
 def scene_camera_lens(
-    name: str, camera: CameraChoice, lens: LensChoice = LensChoice(), file: FileChoice = FileChoice()
+    name: str, camera: CameraChoice, lens: LensChoice = LensChoice(), choice: SceneChoice = SceneChoice()
 ) -> tuple[Scene, Camera, ThinLens]:
     """Load a scene and put the options over its suggested shot.
 
-    A lens system is scaled so that its entrance pupil, open as far as it goes, has the lens radius; it sets the field
-    of view.
+    A lens system is scaled so that its entrance pupil, open as far as it goes, has the lens radius, unless units are
+    said; it sets the field of view.
 
     Raises
     ------
@@ -79,30 +156,52 @@ def scene_camera_lens(
         If there is no such scene or lens, an option would be ignored, or its value is not allowed.
     """
     parts = camera.parts()
-    if lens.file is None:
-        given = {"f_number": lens.f_number, "wavelengths": lens.wavelengths, "no_vignetting": lens.no_vignetting}
-        refuse_ignored("without --lens", "with it", **given)
-    else:
-        refuse_ignored("with --lens, which sets it", "without it", fov=camera.fov)
+    lens.check(camera.fov)
+    fov = lens.fov()
+    if fov is not None:
+        parts["fov_y"] = fov
     system = None if lens.file is None else load_lens(lens.file)
-    scene = file.load(name)
+    scene = choice.load(name)
     try:
         seen = replace(scene.camera, **parts)
-        thin = replace(
-            scene.lens,
-            radius=scene.lens.radius if lens.radius is None else lens.radius,
-            focus_distance=scene.lens.focus_distance if lens.focus is None else lens.focus,
-        )
+        thin = lens.thin(scene.lens, seen)
         if system is None:
             return scene, seen, thin
-        if thin.radius == 0.0:
+        if lens.units is not None:
+            scale = 1000.0 * lens.metres()
+        elif thin.radius == 0.0:
             raise InputError("lens-radius: got 0 with --lens; allowed is a size to which the lens is scaled, above 0")
-        scale = entrance_pupil(system).radius / thin.radius
+        else:
+            scale = entrance_pupil(system).radius / thin.radius
         count = 3 if lens.wavelengths is None else lens.wavelengths
         real = SystemLens(system, thin.focus_distance, lens.f_number, scale, count, not lens.no_vignetting)
     except InputError as error:
         raise InputError(_by_option(str(error))) from None
     return scene, real.seen_by(seen), real
+
+
+def photographic_facts(view: View, choice: LensChoice) -> dict[str, float]:
+    """How circles of a thin lens that is said by an f-number compare with photographic ones; empty for others.
+
+    The share is that of `refdof.optics.lens.photographic_share`.
+
+    Raises
+    ------
+    InputError
+        If the lens is focused within its focal length.
+    """
+    focal = choice.focal_mm(view.camera)
+    if choice.f_number is None or focal is None or type(view.lens) is not ThinLens:
+        return {}
+    try:
+        share = photographic_share(focal / 1000.0 / choice.metres(), view.lens.focus_distance)
+    except InputError as error:
+        raise InputError(_by_option(str(error))) from None
+    return {
+        "lens_radius": view.lens.radius,
+        "focal_length_mm": round(focal, 6),
+        "coc_over_photographic": round(share, 6),
+    }
 
 
 def lens_of_points(points: Path | None, scene: Scene, camera: Camera, lens: ThinLens, choice: LensChoice) -> ThinLens:
@@ -122,7 +221,8 @@ def lens_of_points(points: Path | None, scene: Scene, camera: Camera, lens: Thin
 
 def _by_option(message: str) -> str:
     """An error of a camera or a lens, by the name of the option."""
-    options = {"radius": "lens-radius", "focus_distance": "focus", "f_number": "f-number", "fov_y": "fov"}
+    options = {"radius": "lens-radius", "focus_distance": "focus", "f_number": "f-number"}
+    options |= {"fov_y": "fov", "focal_length": "focal-length"}
     name, colon, rest = message.partition(":")
     return options.get(name, name) + colon + rest
 
@@ -135,10 +235,15 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _place(name: str, text: str) -> tuple[float, ...]:
+    return _three(name, text, "X,Y,Z")
+
+
+def _three(name: str, text: str, shape: str = "R,G,B") -> tuple[float, ...]:
+    """Three numbers between commas."""
     try:
         place = tuple(float(word) for word in listed(text))
     except ValueError:
         place = ()
     if len(place) != 3:
-        raise InputError(f"{name}: got {text!r}; allowed is X,Y,Z, three numbers")
+        raise InputError(f"{name}: got {text!r}; allowed is {shape}, three numbers")
     return place

@@ -10,7 +10,7 @@ import typer
 
 from refdof._check import InputError, as_integer
 from refdof.options import Limit, NoFileCamera, Threads
-from refdof.shot import FileChoice
+from refdof.shot import SceneChoice
 
 __all__ = ["add_studio"]
 
@@ -50,6 +50,6 @@ def studio(
         if not no_open:
             webbrowser.open(url)
 
-    if not serve(FileChoice(limit, no_file_camera).load(scene), scene, Path.cwd(), port, threads, ready):
+    if not serve(SceneChoice(None, None, limit, no_file_camera).load(scene), scene, Path.cwd(), port, threads, ready):
         sys.stdout.flush()
         os._exit(0)  # without waiting for what compiles: all files are closed

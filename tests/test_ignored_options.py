@@ -18,6 +18,12 @@ EXPLAIN = ["explain", "CASE", "--pixel", "0,0"]
 FRAME, A_LENS = ["--color", "a.npy"], ["--fov", "40", "--focus", "3", "--lens-radius", "1"]
 RESULTS, IMPL, SHADER = ["--results", "."], ["--impl", "x {case} {out}"], ["--shader", "x.frag"]
 
+SHOTS = (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
+THIN_SHOTS = (
+    ["explain", "fence", "--method", "mipmap", "--pixel", "1,1"],
+    ["focus", "fence", "--points", "no.toml", "--method", "mipmap", "--out", "a"],
+)
+
 # A command line, the option that it would ignore, its value (None: a flag), and why.
 REFUSED = [
     (RENDER, "steps", "1,4", "without --stages"),
@@ -28,10 +34,24 @@ REFUSED = [
     (["compare", "fence", "--json"], "wide", None, "with --json"),
     (OF_POISSON, "pixel", "1,4", "with methods that record none (poisson, mipmap)"),
     *((words, option, value, "without --lens")
-      for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
-      for option, value in (("f-number", "2"), ("wavelengths", "7"), ("no-vignetting", None))),
+      for words in SHOTS
+      for option, value in (("wavelengths", "7"), ("no-vignetting", None))),
+    *((words, option, value, why) for words in (*SHOTS, *THIN_SHOTS) for option, value, why in (
+        ("f-number", "2", "without --lens, --focal-length or --sensor"),
+        ("focal-length", "50", "without --f-number or --sensor"),
+        ("sensor", "24", "without --f-number or --focal-length"),
+        ("units", "cm", "without --f-number or --lens"),
+    )),
+    *((["pick", "fence", "--pixel", "1,1"], *one) for one in (
+        ("focal-length", "50", "without --f-number or --sensor"),
+        ("sensor", "24", "without --f-number or --focal-length"),
+    )),
+    *(([*words, "--lens", "biconvex"], option, value, "with --lens, which has its own")
+      for words in SHOTS for option, value in (("focal-length", "50"), ("sensor", "24"))),
+    *(([*words, "--focal-length", "50", "--sensor", "24"], "fov", "30",
+       "with --focal-length and --sensor, which set it") for words in SHOTS),
     *(([*words, "--lens", "biconvex"], "fov", "30", "with --lens, which sets it")
-      for words in (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])),
+      for words in SHOTS),
     *(([*words, "--focus-points", "x.toml"], option, value, why) for words in (
         RENDER, ["export", "fence", "--methods", "mipmap", "--out", "a"], ["compare", "fence", "--out", "a"]
     ) for option, value, why in (
@@ -50,6 +70,7 @@ REFUSED = [
         ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
         ("focus", "0"), ("eye", "0,0,9"), ("target", "0,1,0"), ("up", "0,0,1"), ("fov", "30"),
         ("limit", "pixels=9"), ("no-file-camera", None),
+        ("shading", "unlit"), ("background", "0,0,0"),
     )),
     *((["check", "--pack", ".", *how], "given", "size", "without --impl") for how in (RESULTS, SHADER)),
     *(([command, "--pack", ".", *how], "bindings", "x.toml", "without --shader")
@@ -66,14 +87,13 @@ TWICE = [
 ]
 
 # Options that a command heeds whatever else is given.
+SHOT = "shading background size eye target up lens-radius"
 HEEDED = {
     "scenes": "json",
     "methods": "json",
-    "render": "method output set preset size eye target up limit no-file-camera lens-radius focus-points seed samples "
-    "stages threads json",
-    "export": "out methods set layers size eye target up limit no-file-camera lens-radius focus-points threads json",
-    "compare": "methods out set preset size eye target up limit no-file-camera lens-radius focus-points seed tolerance "
-    "threads json",
+    "render": f"method output set preset {SHOT} limit no-file-camera focus-points seed samples stages threads json",
+    "export": f"out methods set layers {SHOT} limit no-file-camera focus-points threads json",
+    "compare": f"methods out set preset {SHOT} limit no-file-camera focus-points seed tolerance threads json",
     "filter": "color depth depth-kind near far coc reference methods out set preset threads json",
     "score": "variance threads json",
     "warm": "",
@@ -84,8 +104,7 @@ HEEDED = {
     "lens": "focus out threads json",
     "studio": "port no-open limit no-file-camera threads",
     "pick": "pixel frame size eye target up fov limit no-file-camera name json",
-    "focus": "points method out frames format set preset size eye target up fov limit no-file-camera lens-radius "
-    "threads json",
+    "focus": f"points method out frames format set preset {SHOT} limit no-file-camera fov threads json",
 }
 
 

@@ -17,7 +17,7 @@ from refdof._check import Float, InputError, as_depth, as_instance, as_number, s
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 
-__all__ = ["ThinLens", "rounded"]
+__all__ = ["ThinLens", "photographic_share", "rounded"]
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,10 @@ class ThinLens:
     def from_f_number(
         cls, focal_length: float, f_number: float, focus_distance: float, aperture: Aperture | None = None
     ) -> "ThinLens":
-        """Lens of a photographer: radius = focal_length / (2 f_number), all lengths in metres.
+        """Lens of a photographer: radius = focal_length / (2 f_number), all lengths in scene units.
 
-        The field of view stays the camera's; the picture does not breathe with focus.
+        The field of view stays the camera's; the picture does not breathe with focus. So circles are smaller than by
+        the photographic formula, which has the sensor farther away for nearer focus: see `photographic_share`.
 
         Raises
         ------
@@ -122,6 +123,23 @@ class ThinLens:
     def largest_circle_px(self, depth: Float, camera: Camera) -> float:
         """The largest circle of confusion of these depths [px]."""
         return float(np.abs(self.coc_px(depth, camera)).max())
+
+
+def photographic_share(focal_length: float, focus_distance: float) -> float:
+    """Circle of confusion of a `ThinLens` over that of the photographic formula: (s - f) / s, f focal length, s focus.
+
+    The photographic circle of a point at depth d is f^2 / N |d - s| / (d (s - f)) across on the sensor, N the f-number.
+    There the sensor is f s / (s - f) behind the lens. In a `Camera` whose field of view is that of focus at infinity it
+    is f behind it, whatever is in focus, and the circle is f^2 / N |d - s| / (d s) across.
+
+    Raises
+    ------
+    InputError
+        If focus_distance <= focal_length.
+    """
+    focal_length = as_number("focal_length", focal_length, above=0.0)
+    focus_distance = as_number("focus_distance", focus_distance, above=focal_length, finite=False)
+    return 1.0 - focal_length / focus_distance
 
 
 def rounded(coc: Float, dtype: np.dtype) -> Float:

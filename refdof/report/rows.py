@@ -20,10 +20,22 @@ from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
 from refdof.optics.systems.system_lens import SystemLens
 
-__all__ = ["DISPLAY", "at_noise_floor", "command_of", "is_at_floor", "lens_as_json", "plain", "rows_as_json"]
+__all__ = [
+    "DISPLAY",
+    "PHOTOGRAPHIC",
+    "at_noise_floor",
+    "command_of",
+    "is_at_floor",
+    "lens_as_json",
+    "plain",
+    "rows_as_json",
+]
 
 # What a score of the display image needs beside it to mean anything.
 DISPLAY = {"peak": 1.0, "tone_map": "clip to [0, 1], sRGB", "flip_ppd": FLIP_PPD}
+
+# What has to be known to compare our circles of confusion with a photographer's.
+PHOTOGRAPHIC = "coc is a radius, (s - f) / s of the photographic circle's; f: focal length, s: focus distance"
 
 _FLOOR_MARGIN_DB = 3.0  # here the reference's noise makes up half of the error or more
 
@@ -41,7 +53,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
     return {
         "scene": comparison.scene,
         "camera": {"size": plain(comparison.camera.size)} if lens is None else plain(asdict(comparison.camera)),
-        "lens": None if lens is None else lens_as_json(lens),
+        "lens": None if lens is None else {**lens_as_json(lens), "coc_photographic": PHOTOGRAPHIC},
         "reference": None
         if comparison.reference is None
         else {

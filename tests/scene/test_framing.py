@@ -76,6 +76,27 @@ def test_focus_beside_the_axis_is_at_a_third_of_the_depths():
     assert lens.focus_distance == pytest.approx(3.0, rel=1e-15)  # 2 + (5 - 2) / 3
 
 
+def test_a_floor_is_cut_at_the_picture_s_edge():
+    """The near end is no corner of the floor: it lies under the lower edge of the picture, at the depth 1."""
+    corners = np.array([[-9, -1, 9], [9, -1, 9], [-900, -1, -100], [900, -1, -100]], dtype=float)
+    lens = suggest_lens(corners, np.array([[0, 1, 2], [1, 3, 2]]), Camera((0, 0, 0), (0, 0, -1), fov_y=90.0))
+    # No surface on the axis: focus at 1 + 99 / 3. P = 240 px; 240 radius (1 / 1 - 1 / 34) = 12.
+    assert lens.focus_distance == pytest.approx(34.0, rel=1e-12)
+    assert lens.radius == pytest.approx(12.0 / 240.0 * 34.0 / 33.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("x", "y"), [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_a_wall_is_nearest_at_a_corner_of_the_picture(x, y):
+    """A slanting plane over the whole picture, none of whose corners is in it: depth = 4 - 0.45 x - 0.7 y."""
+    span = np.array([[-99, -99], [99, -99], [0, 150]], dtype=float)
+    depth = 4.0 - span @ [0.45 * x, 0.7 * y]
+    corners = np.column_stack([span, -depth])
+    lens = suggest_lens(corners, np.array([[0, 1, 2]]), Camera((0, 0, 0), (0, 0, -1), fov_y=90.0))
+    # Toward the picture's corner (4/3, 1, -1): depth (1 + 0.45 4/3 + 0.7) = 4, so 1 / depth = 2.3 / 4.
+    assert lens.focus_distance == pytest.approx(4.0, rel=1e-12)
+    assert 240.0 * lens.radius * (2.3 / 4.0 - 1.0 / 4.0) == pytest.approx(12.0, rel=1e-9)
+
+
 def test_the_far_end_blurs_by_twelve_pixels_at_480_rows():
     near, far = trimesh.creation.box((1, 1, 1)), trimesh.creation.box((1, 1, 1))
     far.apply_translation((0.5, 0, -10))
@@ -106,6 +127,36 @@ def test_a_model_that_stands_on_z_is_z_up():
     vertices, faces = arrays(bottle)
     assert up_axis(vertices, faces) == 2
     assert up_axis(vertices[:, [1, 2, 0]], faces) == 1  # its axis along y
+
+
+# Two triangles over corners of a box (x slowest, z fastest), in a plane across each axis.
+SHEETS = [np.array([[0, 1, 3], [0, 3, 2]]), np.array([[0, 1, 5], [0, 5, 4]]), np.array([[0, 2, 6], [0, 6, 4]])]
+BOX = np.concatenate([sheet + step for sheet, step in zip(SHEETS, (4, 2, 1), strict=True)] + SHEETS)
+
+
+@pytest.mark.parametrize("thickness", [0.0, 0.04])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_flat_models_show_their_side(axis, thickness):
+    """With the axis that is guessed, and a box of 3 x 2 that is next to flat: the side takes most of what is seen."""
+    extents = np.insert([3.0, 2.0], axis, thickness)
+    vertices = (np.indices((2, 2, 2)).reshape(3, 8).T - 0.5) * extents
+    faces = BOX if thickness else SHEETS[axis]
+    up = up_axis(vertices, faces)
+    if axis == 2:
+        assert up == 1
+    camera = suggest_camera(vertices, faces, up)
+    backward = np.subtract(camera.eye, camera.target)
+    backward /= np.linalg.norm(backward)
+    # From the front, cos 30 cos 15 = 0.837 of the side is seen; from above, sin 60 = 0.866. Never from behind or below.
+    assert backward[axis] >= 0.83
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_model_that_is_not_flat_is_seen_as_before(axis):
+    vertices, faces = arrays(trimesh.creation.box(np.insert([3.0, 2.0], axis, 0.11)))  # above a share of 0.05
+    x, y, z = np.subtract(*(getattr(suggest_camera(vertices, faces, 1), k) for k in ("eye", "target")))
+    assert math.degrees(math.atan2(y, math.hypot(x, z))) == pytest.approx(15.0, rel=1e-9)
+    assert math.degrees(math.atan2(x, z)) == pytest.approx(30.0, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["sphere", "wide", "tall", "deep", "flat"])
