@@ -30,6 +30,7 @@ from refdof.image.file import load_image, png_bytes, save_image
 from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
+from refdof.optics.lens import photographic_share
 from refdof.optics.pixel_samples import lens_point_sets
 from refdof.optics.systems import glass, lens_map, paraxial, pupil, spectrum, system, trace
 from refdof.optics.systems.glass import glass_of
@@ -42,6 +43,7 @@ from refdof.raster.gpu import ambiguity, gpu_model, texture
 from refdof.raster.gpu.depth_peeling import peel_raster
 from refdof.raster.gpu.gpu_model import EXACT, GpuModel
 from refdof.raster.gpu.rasterize import rasterize
+from refdof.raster.materials.cutouts import OPAQUE
 from refdof.raster.rays import umbra
 from refdof.rendering import make_params, render_view
 from refdof.scene.limits import Limits
@@ -77,7 +79,16 @@ UV = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])
 NORMAL = np.array([[0.0, 0.0, 1.0]] * 3)
 TEXELS = np.linspace(0.0, 1.0, 12).reshape(2, 2, 3)
 MATERIAL = Material(
-    "phong", (0.5, 0.5, 0.5), TEXELS, (0.0, 0.1, 0.0), (0.2, 0.2, 0.2), 8.0, TEXELS, 0.9, TEXELS[..., 0], 0.5
+    "phong",
+    (0.5, 0.5, 0.5),
+    TEXELS,
+    (0.0, 0.1, 0.0),
+    (0.2, 0.2, 0.2),
+    8.0,
+    TEXELS,
+    0.9,
+    1.0 - 0.25 * TEXELS[..., 0],
+    0.5,
 )
 # Of one colour: it meets any tolerance at once.
 EVEN = Scene.from_parts("even", [Part(CORNERS, FACES, Material("unlit"))], CAMERA, LENS, (1.0, 1.0, 1.0))
@@ -437,7 +448,7 @@ DOORS: dict[str, Door] = {
     ),
     "refdof.raster.gpu.rasterize.rasterize": Door(
         _with(rasterize),
-        _RASTER | {"previous_depth": None},
+        _RASTER | {"previous_depth": None, "cutouts": OPAQUE},
         {"vertices": ("faces",), "near": ("far",), "model": ("precision",)},
         True,
     ),
@@ -471,6 +482,7 @@ DOORS: dict[str, Door] = {
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
     "refdof.scene.material.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
+    "refdof.optics.lens.photographic_share": Door(photographic_share, {"focal_length": 0.05, "focus_distance": 3.0}),
     "refdof.scene.material.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
     "refdof.scene.scene.Part": Door(
         Part, {f.name: getattr(PART, f.name) for f in fields(Part)}, {"vertices": ("faces", "uv", "color", "normal")}
@@ -668,7 +680,8 @@ INNER_MODULES = {
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "image.channel_choice", "image.exr", "image.radiance",
     "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
-    "scene.builtin", "scene.beside", "scene.formats",
+    "scene.builtin", "scene.beside", "scene.formats", "launch",
+    "raster.materials.cutouts", "raster.materials.texel", "raster.rays.ray_filters",
     "frame.samples", "score",
     "scene.animation", "scene.gltf", "scene.kit", "scene.lens_chart", "scene.smooth_normals",
     "scene.framing",
@@ -690,6 +703,7 @@ INNER_MODULES = {
     "methods.singlepass.planar", "methods.singlepass.trace", "methods.singlepass.walk",
 }  # fmt: skip
 INNER = {
+    "refdof.truth.reference.samples_taken",
     "refdof.frame.depth_kinds.planar_of",
     "refdof.frame.depth_kinds.ray_lengths",
     "refdof.frame.frame.FrameView",

@@ -138,7 +138,12 @@ def photographic_share(focal_length: float, focus_distance: float) -> float:
         If focus_distance <= focal_length.
     """
     focal_length = as_number("focal_length", focal_length, above=0.0)
-    focus_distance = as_number("focus_distance", focus_distance, above=focal_length, finite=False)
+    focus_distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
+    if not focal_length < focus_distance:
+        raise InputError(
+            f"focal_length, focus_distance: got {focal_length:g} and {focus_distance:g}; allowed is a focus beyond the "
+            "focal length"
+        )
     return 1.0 - focal_length / focus_distance
 
 

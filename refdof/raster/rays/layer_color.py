@@ -22,8 +22,8 @@ def colors_of(surfaces: Surfaces, projection: Projection, triangle: Index, seen:
     triangle : (N, H, W) int32
         The triangle that the ray of each pixel meets; -1 is empty.
     seen : Layers
-        All surfaces, where some are transparent: `refdof.view.View.seen_through`. A transparent triangle has the colour
-        that it has there.
+        All surfaces, where some are transparent, of `View.seen_through`. A transparent triangle has its colour
+        there.
 
     Returns
     -------
