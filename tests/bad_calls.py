@@ -482,7 +482,11 @@ DOORS: dict[str, Door] = {
         refdof.lens_samples, {"count": 4, "pattern": "sobol", "seed": 0, "aperture": Aperture.disc()}
     ),
     "refdof.scene.material.Light": Door(Light, {f.name: getattr(LIGHT, f.name) for f in fields(Light)}),
-    "refdof.optics.lens.photographic_share": Door(photographic_share, {"focal_length": 0.05, "focus_distance": 3.0}),
+    "refdof.optics.lens.photographic_share": Door(
+        photographic_share,
+        {"focal_length": 0.05, "focus_distance": 3.0},
+        {"focus_distance": ("focal_length",)},
+    ),
     "refdof.scene.material.Material": Door(Material, {f.name: getattr(MATERIAL, f.name) for f in fields(Material)}),
     "refdof.scene.scene.Part": Door(
         Part, {f.name: getattr(PART, f.name) for f in fields(Part)}, {"vertices": ("faces", "uv", "color", "normal")}
