@@ -21,7 +21,9 @@ from refdof.options import (
     AsJson,
     MethodSettings,
     Threads,
+    Units,
     listed,
+    metres_of,
     refuse_ignored,
     set_threads,
     settings_by_method,
@@ -67,7 +69,7 @@ def filter_files(
     sensor: Annotated[
         float | None, typer.Option("--sensor", help=f"Height of the sensor [mm]. Default: {_SENSOR_MM:g}.")
     ] = None,
-    units: Annotated[float | None, typer.Option("--units", help="Metres in a scene unit. Default: 1.")] = None,
+    units: Units = None,
     coc: Annotated[
         str | None,
         typer.Option(
@@ -135,7 +137,7 @@ def _lens(
     radius: float | None,
     f_number: Any,
     sensor: float | None,
-    units: float | None,
+    units: str | None,
 ) -> ThinLens:
     """The lens that options say."""
     if focus is None:
@@ -149,7 +151,7 @@ def _lens(
         return ThinLens(as_number("lens-radius", radius, minimum=0.0), focus)
     as_number("f-number", f_number, above=0.0)
     height = as_number("sensor", _SENSOR_MM if sensor is None else sensor, above=0.0)
-    metres = as_number("units", 1.0 if units is None else units, above=0.0)
+    metres = metres_of(units)
     focal_mm = height / (2.0 * math.tan(math.radians(fov) / 2.0))
     try:
         return ThinLens.from_f_number(focal_mm / (_MM_PER_METRE * metres), f_number, focus)

@@ -56,6 +56,7 @@ from refdof.options import (
     listed,
     refuse_ignored,
     sample_counts,
+    say_rounded,
     set_threads,
     settings_by_method,
     settings_of,
@@ -132,7 +133,7 @@ def render(
     params = settings_of(settings or [], seed=seed, samples=samples)
     given = make_params(method, params, preset)
     if method == "accumulation":
-        _say_rounded(method, given.samples, int(power_of_two(given.samples)))
+        say_rounded(method, given.samples, int(power_of_two(given.samples)))
     wanted = stages_of(steps, pixel, [method])
     seen = CameraChoice(size, eye, target, up, fov)
     photo = focal_length, sensor, units
@@ -261,7 +262,7 @@ def compare(
     set_threads(threads)
     samples, max_samples = sample_counts(samples, tolerance, max_samples)
     if tolerance is None and 1 <= samples <= _MOST_SAMPLES:
-        _say_rounded("reference", samples, samples_taken(samples))
+        say_rounded("reference", samples, samples_taken(samples))
     if as_json:
         refuse_ignored("with --json", "without it", wide=wide)
     check_folder(out)
@@ -313,11 +314,6 @@ def warm() -> None:
     """
     with progress_line() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
-
-
-def _say_rounded(what: str, asked: int, taken: int) -> None:
-    if asked != taken:
-        print(f"refdof: {what}: {asked} samples per pixel are rounded up to {taken}", file=sys.stderr)
 
 
 def _announce(forecast: Forecast) -> None:

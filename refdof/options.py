@@ -1,12 +1,13 @@
 """Options of the command line: their help, and what their words mean."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from refdof._check import InputError, as_integer
+from refdof._check import InputError, as_integer, as_number
 from refdof._jit import use_threads
 from refdof.methods import METHODS
 from refdof.rendering import make_params
@@ -48,9 +49,11 @@ __all__ = [
     "Up",
     "Wavelengths",
     "listed",
+    "metres_of",
     "pixel_of",
     "refuse_ignored",
     "sample_counts",
+    "say_rounded",
     "set_threads",
     "settings_by_method",
     "settings_of",
@@ -154,6 +157,7 @@ NoFileCamera = Annotated[
     bool | None, typer.Option("--no-file-camera", help="Suggest a shot even if a glTF file has a camera of its own.")
 ]
 Seed = Annotated[int, typer.Option("--seed", help="Random seed of the reference.")]
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "ft": 0.3048}
 _SAMPLES = 256
 Samples = Annotated[
     int | None,
@@ -211,6 +215,22 @@ def sample_counts(samples: int | None, tolerance: float | None, most: int | None
     else:
         refuse_ignored("with --tolerance, which replaces it", "without it", samples=samples)
     return _SAMPLES if samples is None else samples, MAX_SAMPLES if most is None else most
+
+
+def say_rounded(what: str, asked: int, taken: int) -> None:
+    """Say on stderr that more samples are taken than were asked for."""
+    if asked != taken:
+        print(f"refdof: {what}: {asked} samples per pixel are rounded up to {taken}", file=sys.stderr)
+
+
+def metres_of(units: str | None) -> float:
+    """How many metres a scene unit has, of --units."""
+    text = "m" if units is None else units.strip()
+    try:
+        return _METRES[text] if text in _METRES else as_number("units", float(text), minimum=1e-12, maximum=1e12)
+    except ValueError:
+        allowed = f"{', '.join(_METRES)}, or how many metres a scene unit has, 1e-12 to 1e12"
+        raise InputError(f"units: got {units!r}; allowed are {allowed}") from None
 
 
 def stages_of(steps: str | None, pixels: list[str] | None, methods: Sequence[str]) -> Stages:

@@ -18,7 +18,7 @@ from refdof.optics.lens import ThinLens, photographic_share
 from refdof.optics.systems.paraxial import entrance_pupil
 from refdof.optics.systems.prescription import load_lens
 from refdof.optics.systems.system_lens import SystemLens
-from refdof.options import listed, refuse_ignored
+from refdof.options import listed, metres_of, refuse_ignored
 from refdof.scene.limits import Limits
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
@@ -27,7 +27,6 @@ from refdof.view import View
 __all__ = ["CameraChoice", "LensChoice", "SceneChoice", "lens_of_points", "photographic_facts", "scene_camera_lens"]
 
 _PLACES = ("eye", "target", "up")
-_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "ft": 0.3048}
 
 
 @dataclass(frozen=True)
@@ -80,12 +79,7 @@ class LensChoice:
 
     def metres(self) -> float:
         """How many metres a scene unit has."""
-        text = "m" if self.units is None else self.units.strip()
-        try:
-            return _METRES[text] if text in _METRES else as_number("units", float(text), minimum=1e-12, maximum=1e12)
-        except ValueError:
-            allowed = f"{', '.join(_METRES)}, or how many metres a scene unit has, 1e-12 to 1e12"
-            raise InputError(f"units: got {self.units!r}; allowed are {allowed}") from None
+        return metres_of(self.units)
 
     def fov(self) -> float | None:
         """The field of view that focal length and sensor have, focused at infinity [degrees]."""

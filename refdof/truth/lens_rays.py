@@ -277,17 +277,12 @@ def _name_rays(bits, strands, cells, used, integers):
     """Write ids that hang on all bits of a ray, from which it draws whether a transparent surface stops it."""
     for k in range(used):
         for lane in range(LANES):
-            source = _source(min(k * LANES + lane, strands * cells - 1), strands, cells)
+            entry = min(k * LANES + lane, strands * cells - 1)
+            source = entry % cells * strands + entry // cells
             name = mix64(bits[0, source])
             for row in range(1, 4):
                 name = mix64(name ^ bits[row, source])
             integers[k, _ID, lane] = np.int32(name & np.uint64(0x7FFFFFFF))
-
-
-@inline
-def _source(entry, strands, cells):
-    """Where a packet's ray was made: a strand's cells lie side by side."""
-    return entry if cells == 1 else (entry % cells) * strands + entry // cells
 
 
 @inline

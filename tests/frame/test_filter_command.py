@@ -203,7 +203,7 @@ WRONG = [
     (["--fov", 40, "--focus", 3, "--lens-radius", -1], "lens-radius: got -1; allowed is"),
     (["--fov", 40, "--focus", 3, "--f-number", 0], "f-number: got 0; allowed is"),
     (["--fov", 40, "--focus", 0.01, "--f-number", 2], "focus: got 0.01; allowed is a distance above the focal length"),
-    (["--fov", 40, "--focus", 3, "--f-number", 2, "--units", 0], "units: got 0; allowed is"),
+    (["--fov", 40, "--focus", 3, "--f-number", 2, "--units", 0], "units: got '0'; allowed are"),
     (["--fov", 40, "--focus", 3, "--f-number", 2, "--sensor", "nan"], "sensor: got nan; allowed is"),
     ([*LENS, "--depth-kind", "z"], "kind: got 'z'; allowed are planar, radial"),
     ([*LENS, "--depth-kind", "device"], "near: got none; allowed for device"),
