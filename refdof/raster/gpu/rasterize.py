@@ -166,7 +166,8 @@ def prepare(
     across = (np.arange(camera.width) + 0.5 - 0.5 * camera.width) * scale
     up = (0.5 * camera.height - np.arange(camera.height) - 0.5) * scale
     code, across, up = depth_code(depth_format, near, far), across.astype(kind), up.astype(kind)
-    triangles = Triangles(vertices.astype(kind, copy=False), faces, clipped, bits, near, far, code, across, up, cutouts)
+    holes = cutouts if len(cutouts.material) else None  # None is compiled by itself, without a look at holes
+    triangles = Triangles(vertices.astype(kind, copy=False), faces, clipped, bits, near, far, code, across, up, holes)
     return Drawing(triangles, bins, exponent, kind if depth_format == "linear" else np.dtype(np.float64))
 
 

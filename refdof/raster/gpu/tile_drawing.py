@@ -42,7 +42,7 @@ class Triangles(NamedTuple):
     """What is drawn, and how, in one unit of length.
 
     vertices (V, 3), of the type of the precision; bits: of the sub-pixel grid; near, far: planes; across (W,) and
-    up (H,): tangents of the rays through pixel centres; cutouts: what is discarded.
+    up (H,): tangents of the rays through pixel centres; cutouts: what is discarded, None: nothing.
     """
 
     vertices: Float
@@ -54,7 +54,7 @@ class Triangles(NamedTuple):
     code: DepthCode
     across: Float
     up: Float
-    cutouts: Cutouts
+    cutouts: Cutouts | None
 
 
 @tile_kernel
@@ -68,7 +68,7 @@ def draw_tile(triangles, previous, chosen, row, column, raster):
     across, up, previous = borrow(triangles.across), borrow(triangles.up), borrow(previous)
     depth, triangle, barycentric = borrow(raster.depth), borrow(raster.triangle), borrow(raster.barycentric)
     room = np.empty(11, dtype=vertices.dtype)
-    plane, cutouts = borrow(room), borrow_cutouts(triangles.cutouts)
+    plane, cutouts = borrow(room), _borrowed(triangles.cutouts)
     for n in chosen:
         box, corner, face = boxes[n], corners[n], numbers[n]
         first_x, last_x = max(box[0], column * TILE_PX), min(box[1], (column + 1) * TILE_PX - 1)
@@ -94,10 +94,7 @@ def draw_tile(triangles, previous, chosen, row, column, raster):
             run = slice(begin, begin + count)
             pixels = Raster(depth[y, run], triangle[y, run], barycentric[y, run])
             behind, far, code = previous[y, run], triangles.far, triangles.code
-            if len(cutouts.material) > 0 and cutouts.material[face] >= 0:
-                _keep_solid(cutouts, plane, across[run], up[y], face, far, code, behind, pixels)
-            else:
-                _keep_run(plane, across[run], up[y], face, far, code, behind, pixels)
+            _keep_solid(cutouts, plane, across[run], up[y], face, far, code, behind, pixels)
 
 
 @inline
@@ -156,7 +153,10 @@ def _keep_run(plane, across, up, face, far, code, previous, pixels):
 
 @inline
 def _keep_solid(cutouts, plane, across, up, face, far, code, previous, pixels):
-    """`_keep_run` of one fragment after the other, for a triangle with holes."""
+    """`_keep_run`, of one fragment after the other for a triangle with holes."""
+    if cutouts is None or cutouts.material[face] < 0:
+        _keep_run(plane, across, up, face, far, code, previous, pixels)
+        return
     for i in range(len(across)):
         nearness = min(max(plane[0] * across[i] + plane[1] * up - plane[2], plane[9]), plane[10])
         u = (plane[3] * across[i] + plane[4] * up - plane[5]) / nearness
@@ -165,3 +165,8 @@ def _keep_solid(cutouts, plane, across, up, face, far, code, previous, pixels):
             one = slice(i, i + 1)
             pixel = Raster(pixels.depth[one], pixels.triangle[one], pixels.barycentric[one])
             _keep_run(plane, across[one], up, face, far, code, previous[one], pixel)
+
+
+@inline
+def _borrowed(cutouts):
+    return None if cutouts is None else borrow_cutouts(cutouts)
