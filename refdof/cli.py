@@ -60,7 +60,8 @@ def main() -> None:
     gc.freeze()  # what is imported stays to the end: looking for garbage in it takes a tenth of a short run
     try:
         status = app(standalone_mode=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None: it was closed before
+            sys.stdout.flush()
     except BrokenPipeError:  # who reads has enough, as `head` does
         _silence()
         sys.exit(0)

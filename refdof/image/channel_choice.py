@@ -68,7 +68,12 @@ def depth_of(argument: str, path: str, layers: Layers, wanted: str | None = None
         depths = [layer for layer in layers if layer.lower().endswith("depth")]
         depths = [layer for layer in depths if layer.lower().split(".")[-1] == "depth"] or depths
         chosen = [found for layer in depths for found in _letters_of(layers, layer)]
-        chosen = chosen or [name for name in names if re.split(r"[._]", name)[-1].lower() in ("z", "depth")]
+        chosen = chosen or [
+            name
+            for name in names
+            if re.split(r"[._]", name)[-1].lower() in ("z", "depth")
+            and "mist" not in name.lower()  # 0 .. 1, no distance
+        ]
     else:
         chosen = []
     if wanted is None:

@@ -130,12 +130,15 @@ def _read_png(argument: str, path: str) -> Float:
     file = as_plain_file(argument, path)
     with _readable(argument, path):
         with file.open("rb") as stream:
-            head = stream.read(24)
+            head = stream.read(26)
         width, height = (int.from_bytes(head[k : k + 4], "big") for k in (16, 20))
         if width * height > MOST_PIXELS:
             raise InputError(
                 f"{argument}: {path!r} has {width}x{height} pixels; allowed are at most {MOST_PIXELS} of them"
             )
+        if head[24:26] == b"\x10\x00":  # 16 bits of grey, which the decoder would cut off at 255
+            grey = imageio.imread(file, plugin="pillow").astype(np.float64) / 65535.0
+            return linear_from_display(np.repeat(grey[..., None], 3, axis=2))
         pixels = imageio.imread(file, plugin="pillow", mode="RGB")
     table = linear_from_display(np.arange(256.0).reshape(1, -1, 1).repeat(3, axis=2) / 255.0)[0, :, 0]
     return table[pixels]

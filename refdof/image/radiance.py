@@ -8,6 +8,7 @@ References
 .. [1] Ward (1991), Real Pixels, Graphics Gems II.
 """
 
+import math
 import os
 import re
 
@@ -56,7 +57,13 @@ def read_radiance(argument: str, path: str | os.PathLike[str]) -> Float:
             raise InputError(f"{argument}: {str(path)!r} is damaged; allowed is a whole picture")
     exponent = pixels[..., 3].astype(np.int32)
     scale = np.where(exponent > 0, np.ldexp(1.0, exponent - 136), 0.0)
-    return (pixels[..., :3] * scale[..., None]).astype(np.float32)
+    exposures = [
+        float(number) for number in re.findall(rb"^EXPOSURE= *(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*$", head[1], re.M)
+    ]
+    exposure = math.prod(exposures)  # what the values were multiplied by, one factor after the other
+    if not 0.0 < exposure < math.inf:
+        raise InputError(f"{argument}: {str(path)!r} says EXPOSURE={exposure:g}; allowed are finite numbers above 0")
+    return (pixels[..., :3] * (scale[..., None] / exposure)).astype(np.float32)
 
 
 def _read_row(content: bytes, place: int, row: np.ndarray) -> int:

@@ -164,3 +164,13 @@ def test_a_symbolic_link_stays_a_link(tmp_path):
     write_text(tmp_path / "link.md", "text")
     assert (tmp_path / "link.md").is_symlink()
     assert (tmp_path / "real.md").read_text() == "text"
+
+
+def test_a_grey_png_of_16_bits_is_read_as_grey(tmp_path):
+    from PIL import Image
+
+    values = np.array([[0, 1000, 30000, 65535]], dtype=np.uint16)
+    Image.fromarray(values).save(tmp_path / "a.png")
+    display = values / 65535.0
+    linear = np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(load_image(tmp_path / "a.png"), np.repeat(linear[..., None], 3, axis=2), atol=1e-6)

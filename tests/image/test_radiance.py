@@ -69,3 +69,12 @@ def test_bad_files_are_named(tmp_path, width, height, body, head, said):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"path: got .*: there is no such file; allowed is a file"):
         load_image(tmp_path / "a.hdr")
+
+
+def test_exposures_are_divided_out(tmp_path):
+    body = bytes((128, 64, 32, 129))
+    plain = load_image(write(tmp_path / "a.hdr", 1, 1, body))
+    twice = HEAD.replace(b"FORMAT", b"EXPOSURE=2.0\nEXPOSURE= 4e-1\nFORMAT")
+    np.testing.assert_allclose(load_image(write(tmp_path / "b.hdr", 1, 1, body, twice)), plain / 0.8, rtol=1e-6)
+    with pytest.raises(InputError, match="says EXPOSURE=0; allowed are finite numbers above 0"):
+        load_image(write(tmp_path / "c.hdr", 1, 1, body, HEAD.replace(b"FORMAT", b"EXPOSURE=0\nFORMAT")))

@@ -191,3 +191,21 @@ def test_a_lens_that_is_nearly_a_pinhole_draws_each_ray_anew():
     )
     image = refdof.reference(scene, scene.camera, ThinLens(1e-12, 3.0), samples=1024).image
     assert_allclose(image[..., 0], 0.5, atol=5 * 0.5 / np.sqrt(1024))  # 5 standard errors of one pixel
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("cutoff", [0.1, 0.25, 0.5, 0.7, 0.9])
+def test_an_opacity_that_is_the_cutoff_is_solid(cutoff):
+    """By factor, by vertices, and by a texture, as float32 files hold them; a little less is a hole."""
+    shot = flat_scene.camera(24, 18, 20.0)
+    box = (-9.0, 9.0, -9.0, 9.0)
+    for opacity, count in ((cutoff, 24 * 18), (0.999 * cutoff, 0)):
+        of_factor = cut_card(box, 2.0, UV, Material("unlit", opacity=opacity, cutoff=cutoff))
+        of_vertices = cut_card(box, 2.0, UV, Material("unlit", cutoff=cutoff), np.full(4, opacity, np.float32))
+        of_texture = cut_card(box, 2.0, UV, hole_material(np.full((3, 5), opacity, np.float32), cutoff))
+        for card in (of_factor, of_vertices, of_texture):
+            scene = flat_scene.scene_of([card], shot)
+            view = View(scene, shot, scene.lens)
+            assert view.surface_counts().sum() == count
+            drawn = rasterize(*view.triangles(), shot, cutouts=view.surfaces().cutouts)
+            assert (drawn.triangle >= 0).sum() == count

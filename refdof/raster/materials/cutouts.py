@@ -105,7 +105,8 @@ def opacity_at(cutouts, face, u, v):
     if len(cutouts.material) == 0 or cutouts.material[face] < 0:
         return 1.0
     row, c, w = cutouts.table[cutouts.material[face]], cutouts.corner[face], 1.0 - u - v
-    opacity = row[_OPACITY] * (w * c[2] + u * c[5] + v * c[8])
+    # Differences, so that three equal numbers give just that number: an opacity may be the cutoff itself.
+    opacity = row[_OPACITY] * (c[2] + u * (np.float64(c[5]) - c[2]) + v * (np.float64(c[8]) - c[2]))
     if row[1] > 0.0:
         s, t = w * c[0] + u * c[3] + v * c[6], w * c[1] + u * c[4] + v * c[7]
         k, n, m, o, a, b = texel_weights(row, s, t)
@@ -113,7 +114,7 @@ def opacity_at(cutouts, face, u, v):
         opacity *= bilinear(texels[k], texels[n], texels[m], texels[o], a, b)
     if row[_CUTOFF] == _BLENDED:
         return min(max(opacity, 0.0), 1.0)
-    return 1.0 if opacity >= row[_CUTOFF] else 0.0
+    return 1.0 if np.float32(opacity) >= np.float32(row[_CUTOFF]) else 0.0  # as files state both
 
 
 @inline
