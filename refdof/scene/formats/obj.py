@@ -42,6 +42,10 @@ def read_obj(data: bytes, reading: Reading) -> list[Surface]:
     sizes = np.array(lines.sizes, dtype=np.int64)
     reading.meter.triangles(int(np.maximum(sizes - 2, 0).sum()))
     places = as_float("v", lines.rows("v", 3), (None, 3), dtype=np.float64)
+    if not len(sizes):
+        return []
+    if corner[:, 0].max() >= len(places):  # in the file's own numbers, which start at 1
+        raise InputError(f"f: got vertex {corner[:, 0].max() + 1}; allowed are 1 .. {len(places)}, those of the file")
     as_index("f", corner[:, 0], (None,), end=len(places))
     for column, kind in ((1, "vt"), (2, "vn")):
         if (corner[:, column] >= 0).any() and not lines.table[kind]:

@@ -222,3 +222,16 @@ def test_free_forms_points_and_lines(tmp_path):
 def test_bad_lines_are_named(tmp_path, text, message):
     with pytest.raises(InputError, match=message):
         loaded(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n", "it has no triangle"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "f: got vertex 9; allowed are 1 .. 3, those of the file"),
+    ],
+)
+def test_faces_that_are_not_there_are_said_in_the_files_own_numbers(tmp_path, text, said):
+    (tmp_path / "a.obj").write_text(text)
+    with pytest.raises(InputError, match=said):
+        load_mesh(tmp_path / "a.obj")
