@@ -51,7 +51,8 @@ def suggest_camera(vertices: Float, faces: Index, up: int = 1) -> Camera:
     A model that is flat along x has its front at +x; one that is flat along the upward axis is seen from 60 degrees
     above instead of 15.
 
-    The projected model fills 0.86 of the picture's width or height, and nothing of it is cut off.
+    The projected model fills 0.86 of the picture's width or height, and nothing of it is cut off. It fills less
+    only if it is seen end-on: the eye stays a tenth of the largest extent away from it.
 
     Parameters
     ----------

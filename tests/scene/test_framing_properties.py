@@ -87,7 +87,7 @@ def test_nor_does_it_from_anywhere_inside(model, seed, fov):
 @settings(max_examples=150, deadline=None)
 @given(models(), st.sampled_from([1, 2, None]))
 def test_the_model_fills_the_picture_and_none_of_it_is_cut_off(model, up):
-    """0.86 of the width or the height, as `suggest_camera` states."""
+    """0.86 of the width or the height, or the eye is a tenth of its size away, as `suggest_camera` states."""
     vertices, faces = model
     camera = suggest_camera(vertices, faces, up or up_axis(vertices, faces))
     x, y, depth = camera.project(vertices).T
@@ -95,7 +95,10 @@ def test_the_model_fills_the_picture_and_none_of_it_is_cut_off(model, up):
     assert 0 <= x.min() <= x.max() <= 640
     assert 0 <= y.min() <= y.max() <= 480
     # Corners of what is seen are corners of triangles. 1e-9: roundings.
-    assert max(np.ptp(x) / 640, np.ptp(y) / 480) == pytest.approx(0.86, rel=1e-9)
+    share = max(np.ptp(x) / 640, np.ptp(y) / 480)
+    if depth.min() > 0.1 * np.ptp(vertices, axis=0).max() * (1 + 1e-9):  # else it is as near as it may be
+        assert share == pytest.approx(0.86, rel=1e-9)
+    assert share <= 0.86 * (1 + 1e-9)
 
 
 def test_a_room_seen_from_outside_is_bounded_at_both_ends():
