@@ -185,7 +185,7 @@ def test_circles_are_a_stated_share_of_photographic_ones():
     assert ours / photographic == pytest.approx(photographic_share(0.05, 3.0), rel=1e-12)
     assert photographic_share(0.05, 3.0) == pytest.approx(0.983333, abs=1e-6)
     assert photographic_share(0.05, math.inf) == 1.0
-    with pytest.raises(InputError, match=r"focus_distance: got 0\.05; allowed"):
+    with pytest.raises(InputError, match=r"focal_length, focus_distance: got 0\.05 and 0\.05; allowed"):
         photographic_share(0.05, 0.05)
     assert lens == replace(ThinLens.from_f_number(0.05, 2.0, 3.0), aperture=lens.aperture)
 

@@ -123,16 +123,20 @@ def test_what_is_under_the_resting_mouse_is_told(shared, cards):
     assert float(told[1]) == pytest.approx(depth[MIDDLE], rel=0.02)  # the pixel is not quite the middle
 
 
+def radius_told(studio):
+    return float(studio.page.get_by_text(re.compile("radius")).inner_text().split()[1])
+
+
 def test_f_number_and_focus_by_slider(studio, cards):
     places, depth = cards
     studio.fill("Focus", depth[RIGHT] * 0.9)
     narrow = studio.sharpness(places)
     slider = studio.page.get_by_label("f-number, slider")
-    number = float(studio.value("f-number"))
+    number, radius = float(studio.value("f-number")), radius_told(studio)
     with studio.changed():
         slider.fill("0")
     assert float(studio.value("f-number")) == pytest.approx(number / 4, rel=1e-3)  # four digits are shown
-    assert float(studio.page.get_by_text(re.compile("radius")).inner_text().split()[1]) > 2.0
+    assert radius_told(studio) == pytest.approx(4.0 * radius, rel=1e-2)  # as many digits
     wide = studio.sharpness(places)
     assert wide[RIGHT] < 0.5 * narrow[RIGHT]
     focus = studio.page.get_by_label("Focus, slider")
