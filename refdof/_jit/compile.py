@@ -10,12 +10,14 @@ give the same number to two signatures, and one would run the other's machine co
 compiled from, and there is no list.
 """
 
+import atexit
 import ctypes
 import hashlib
 import os
 import platform
 import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from functools import cached_property
@@ -96,8 +98,13 @@ def _open_cache() -> None:
         for other in root.iterdir():
             if other.is_dir() and other.stat().st_mtime < oldest:
                 shutil.rmtree(other, ignore_errors=True)
-    except OSError:  # a read-only home: Numba then falls back to its own choice
-        return
+    except OSError:
+        # A read-only home. Numba's own choice is a folder beside the sources, and it fails if there is none, either.
+        passing = tempfile.mkdtemp(prefix="refdof-")
+        atexit.register(shutil.rmtree, passing, ignore_errors=True)
+        os.environ["REFDOF_CACHE_DIR"] = passing  # of the processes that this one starts, too
+        folder = _cache_root() / folder.name
+        folder.mkdir()
     numba.config.CACHE_DIR = str(folder)
 
 
