@@ -60,7 +60,8 @@ def test_a_perspective_camera_beside_an_orthographic_one_is_taken(tmp_path):
 
 
 def test_an_orthographic_camera_of_another_scene_does_not_count(tmp_path):
-    load_mesh(write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], roots=[0], cameras=[ORTHOGRAPHIC])))
+    path = write(tmp_path, "a.gltf", gltf([{"mesh": 0}, {"camera": 0}], roots=[0], cameras=[ORTHOGRAPHIC]))
+    assert load_mesh(path).camera == load_mesh(path, file_camera=False).camera  # the suggested shot
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ References
 .. [1] Turk (1994), The PLY Polygon File Format.
 """
 
+from abc import ABC, abstractmethod
 from codecs import BOM_UTF8
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -116,7 +117,7 @@ def _property(words: list[str]) -> _Property:
     return _Property(words[-1], codes[0] if len(codes) == 2 else "", codes[-1])
 
 
-class _Stream:
+class _Stream(ABC):
     """Numbers one after the other. A row is read at once where all rows have lists of the same lengths."""
 
     def _short(self, element: Element) -> InputError:
@@ -139,14 +140,28 @@ class _Stream:
         lists = {p.name: c for p, c in zip(element.properties, columns, strict=True) if p.length}
         return Table(scalars, lists, kinds)
 
-    def _first_lengths(self, element: Element) -> list[int]:
-        raise NotImplementedError
-
-    def _even(self, element: Element, lengths: list[int]) -> list | None:
-        raise NotImplementedError
-
     def _uneven(self, element: Element) -> list:
-        raise NotImplementedError
+        """Columns of an element whose lists differ in length, row by row."""
+        columns: list[list] = [[] for _ in element.properties]
+        sizes: list[list[int]] = [[] for _ in element.properties]
+        for _ in range(element.count):
+            for k, item in enumerate(element.properties):
+                values = self._next(element, item)
+                columns[k].append(values)
+                sizes[k].append(len(values))
+        return _joined(element, columns, sizes)
+
+    @abstractmethod
+    def _first_lengths(self, element: Element) -> list[int]:
+        """How many numbers each property of the next row has."""
+
+    @abstractmethod
+    def _even(self, element: Element, lengths: list[int]) -> list | None:
+        """Columns of an element whose rows all have these lengths; None: they have not."""
+
+    @abstractmethod
+    def _next(self, element: Element, item: _Property) -> np.ndarray:
+        """The next numbers, of one property of one row."""
 
 
 class _Text(_Stream):
@@ -189,19 +204,13 @@ class _Text(_Stream):
         self._at = end
         return found
 
-    def _uneven(self, element: Element) -> list:
-        columns: list[list] = [[] for _ in element.properties]
-        sizes: list[list[int]] = [[] for _ in element.properties]
-        for _ in range(element.count):
-            for k, item in enumerate(element.properties):
-                length = self._length(element, self._at) if item.length else 1
-                self._at += 1 if item.length else 0
-                if self._at + length > len(self._numbers):
-                    raise self._short(element)
-                columns[k].append(self._numbers[self._at : self._at + length])
-                sizes[k].append(length)
-                self._at += length
-        return _joined(element, columns, sizes)
+    def _next(self, element: Element, item: _Property) -> np.ndarray:
+        length = self._length(element, self._at) if item.length else 1
+        self._at += 1 if item.length else 0
+        if self._at + length > len(self._numbers):
+            raise self._short(element)
+        self._at += length
+        return self._numbers[self._at - length : self._at]
 
 
 class _Bytes(_Stream):
@@ -244,19 +253,14 @@ class _Bytes(_Stream):
         self._at += dtype.itemsize * element.count
         return found
 
-    def _uneven(self, element: Element) -> list:
-        columns: list[list] = [[] for _ in element.properties]
-        sizes: list[list[int]] = [[] for _ in element.properties]
-        for _ in range(element.count):
-            for k, item in enumerate(element.properties):
-                length = 1
-                if item.length:
-                    length = int(self._one(element, item.length, self._at)[0])
-                    self._at += int(item.length[1])
-                columns[k].append(self._one(element, item.kind, self._at, length))
-                sizes[k].append(length)
-                self._at += length * int(item.kind[1])
-        return _joined(element, columns, sizes)
+    def _next(self, element: Element, item: _Property) -> np.ndarray:
+        length = 1
+        if item.length:
+            length = int(self._one(element, item.length, self._at)[0])
+            self._at += int(item.length[1])
+        values = self._one(element, item.kind, self._at, length)
+        self._at += length * int(item.kind[1])
+        return values
 
 
 def _joined(element: Element, columns: list[list], sizes: list[list[int]]) -> list:
