@@ -75,7 +75,7 @@ def test_the_drawings_are_the_same_bytes_every_time(tmp_path):
     ("words", "says"),
     [
         (["double_gaus"], "lens: got 'double_gaus'; did you mean 'double_gauss'? allowed are"),
-        (["missing.dat"], "lens: cannot read 'missing.dat'"),
+        (["missing.dat"], "lens: got 'missing.dat': there is no such file; allowed is a file"),
         (["double_gauss", "--focus", "0.03"], "focus"),
         (["double_gauss", "--focus", "nan"], "focus: got nan; allowed is a number > 0"),
         (["double_gauss", "--focus", "-1"], "focus: got -1; allowed is a number > 0"),

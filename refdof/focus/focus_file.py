@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import InputError, as_instance
+from refdof._files import as_plain_file
 from refdof._toml import check_keys, parse, quoted, shown
 from refdof.focus.focus_lens import Focus
 from refdof.focus.point import FocusPoint
@@ -43,9 +44,7 @@ def load_focus(path: str | Path, argument: str = "focus-points") -> Focus:
     InputError
         If there is no such file, or something in it is missing, unknown or out of range.
     """
-    file = Path(path)
-    if not file.is_file():
-        raise InputError(f"{argument}: got {str(path)!r}; allowed is a file")
+    file = as_plain_file(argument, path)
     if file.stat().st_size > _MOST_BYTES:
         raise InputError(f"{file.name}: has {file.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
     try:

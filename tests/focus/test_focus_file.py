@@ -64,7 +64,7 @@ def test_files_on_disk(tmp_path):
     focus = Focus((FocusPoint(3, (0.25, 0.25, 0.5), weight=((0, 1.0), (24, 0.0)), name='a "statue"'),), "plane", 0.05)
     save_focus(tmp_path / "focus.toml", focus)
     assert load_focus(tmp_path / "focus.toml") == focus
-    with pytest.raises(InputError, match=r"focus-points: got '.*none\.toml'; allowed is a file"):
+    with pytest.raises(InputError, match=r"focus-points: got '.*none\.toml': there is no such file; allowed is a file"):
         load_focus(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"bytes\.toml: is no text in UTF-8"):

@@ -16,10 +16,10 @@ import re
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from stat import S_ISREG
 from typing import Any
 
 from refdof._check import InputError, as_instance, as_path
+from refdof._files import as_plain_file
 from refdof.image.atomic import write_text
 from refdof.optics.systems.lens_toml import lens_text, parse_toml
 from refdof.optics.systems.pbrt_file import parse_pbrt
@@ -79,11 +79,9 @@ def save_lens(path: str | os.PathLike[str], system: LensSystem) -> None:
 def _text(path: Path) -> str:
     """The text of a file: UTF-8 or UTF-16; of .zmx also Latin-1, which some makers of lenses write."""
     try:
-        about = path.stat()
-        if not S_ISREG(about.st_mode):
-            raise InputError(f"lens: got {str(path)!r}, which is not a regular file; allowed is the path of a file")
-        if about.st_size > MOST_BYTES:
-            raise InputError(f"lens: {path.name} has {about.st_size} bytes; allowed are at most {MOST_BYTES}")
+        size = as_plain_file("lens", path).stat().st_size
+        if size > MOST_BYTES:
+            raise InputError(f"lens: {path.name} has {size} bytes; allowed are at most {MOST_BYTES}")
         with path.open("rb") as file:
             data = file.read(MOST_BYTES)
     except OSError as error:

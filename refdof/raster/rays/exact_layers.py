@@ -142,7 +142,7 @@ def _layers_of_rows(surfaces, call, projection, umbra_step, first, last, memory,
                     kept = _insert(depth, triangle, kept, t, face)
             most = max(most, memory.context[3])
             kept = _once_per_surface(surfaces.corner, depth, triangle, kept, dx, dy)
-            if surfaces.blends:
+            if surfaces.blends and len(layers.depth) > 0:  # not where surfaces are only counted
                 _see_through(surfaces, triangle, kept, dx, dy, seen)
             if umbra_step > 0.0:
                 kept = _drop_hidden(depth, triangle, place, kept, umbra_step)
