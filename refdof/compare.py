@@ -29,7 +29,17 @@ from refdof.truth.reference import MAX_SAMPLES, Reference, reference_of_view
 from refdof.view import View, view_of
 from refdof.warm import REFERENCE, job_of, warm
 
-__all__ = ["as_settings", "check_window", "compare", "distinct", "rows_of", "warm_up", "warming_up"]
+__all__ = [
+    "as_settings",
+    "check_window",
+    "compare",
+    "distinct",
+    "kept_reference",
+    "rows_of",
+    "timed",
+    "warm_up",
+    "warming_up",
+]
 
 _RUNS = 3  # of a method, whose median is told; one if it takes longer than
 _SHORT_S = 1.0
@@ -91,7 +101,7 @@ def compare(
     warm_up("accumulation", {})  # the reference's kernels are the same
     if tolerance is not None and announce is not None:
         announce(forecast_of_view(view, tolerance, max_samples, seed))
-    truth, kept = _kept_reference(view, samples, tolerance, seed, max_samples, step)
+    truth, kept = kept_reference(view, samples, tolerance, seed, max_samples, step)
     rows = rows_of(view, chosen, given, truth.image, tell)
     chart = None
     if isinstance(view.lens, SystemLens):
@@ -101,7 +111,7 @@ def compare(
         chart = field_strip(
             view,
             wanted,
-            lambda one: _kept_reference(one, fewer, None, seed, MAX_SAMPLES, lambda _done, _all: None)[0].image,
+            lambda one: kept_reference(one, fewer, None, seed, MAX_SAMPLES, lambda _done, _all: None)[0].image,
         )
     return Comparison(
         scene.name,
@@ -119,7 +129,7 @@ def compare(
     )
 
 
-def _kept_reference(
+def kept_reference(
     view: View, samples: int, tolerance: float | None, seed: int, max_samples: int, progress: Callable[[int, int], None]
 ) -> tuple[Reference, bool]:
     """The reference of a view, from the store if an earlier run made it, and whether it is."""
@@ -186,7 +196,7 @@ def rows_of(
             view.forget_layers()
         tell(name, k, len(chosen))
         warm_up(name, values[name], kind)
-        results.append(_timed(name, view, kind, values[name]))
+        results.append(timed(name, view, kind, values[name]))
     found: list[dict[str, float]] = [{} for _ in results]
     if reference is not None:
         images = [result.image for result, _ in results]
@@ -207,7 +217,7 @@ def rows_of(
     ]
 
 
-def _timed(name: str, view: View, preset: str, values: Mapping[str, Any]) -> tuple[Result, list[float]]:
+def timed(name: str, view: View, preset: str, values: Mapping[str, Any]) -> tuple[Result, list[float]]:
     """A method's result, and the seconds of each warm run: one in which nothing was compiled or read from the cache.
 
     A short one is repeated.

@@ -55,6 +55,7 @@ __all__ = [
     "sample_counts",
     "say_rounded",
     "set_threads",
+    "setting_of",
     "settings_by_method",
     "settings_of",
     "stages_of",
@@ -274,7 +275,7 @@ def set_threads(threads: int | None) -> None:
 def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
     """'key=value' lines, and options of the same meaning where they are given, as {key: value}."""
     values: dict[str, Any] = {}
-    pairs = [_setting(text) for text in texts]
+    pairs = [setting_of(text) for text in texts]
     for key, value in [*pairs, *((name, value) for name, value in options.items() if value is not None)]:
         if key in values:
             raise InputError(f"{key}: got {values[key]!r} and {value!r}; allowed is one value")
@@ -282,7 +283,7 @@ def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
     return values
 
 
-def _setting(text: str) -> tuple[str, Any]:
+def setting_of(text: str) -> tuple[str, Any]:
     """'key=value' as a name and a number, a truth value or a word."""
     key, equals, value = text.partition("=")
     if not equals or not key:

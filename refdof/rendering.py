@@ -35,12 +35,15 @@ class Result:
         Raster products the method used (whoever asked first), and the method itself.
     stages : arrays by name, empty unless asked for
     params : the method's Params
+    layers_s : float
+        Seconds of "prepare" for what goes beyond the scene and its pinhole picture: layers, triangles for a rasteriser.
     """
 
     image: Float
     seconds: dict[str, float]
     stages: dict[str, np.ndarray]
     params: Any
+    layers_s: float = 0.0
 
 
 def render(
@@ -84,7 +87,7 @@ def render_view(method: str, view: View, stages: bool | Stages = False, preset: 
         start = time.perf_counter()
         image = METHODS[method].render(view, chosen, recorder)
         whole = time.perf_counter() - start
-    return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, recorder.stages, chosen)
+    return Result(image, {"prepare": book.prepare, "blur": whole - book.spent}, recorder.stages, chosen, book.layers)
 
 
 def make_params(method: str, values: Mapping[str, Any], preset: str = "best") -> Any:

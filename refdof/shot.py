@@ -24,7 +24,15 @@ from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
 from refdof.view import View
 
-__all__ = ["CameraChoice", "LensChoice", "SceneChoice", "lens_of_points", "photographic_facts", "scene_camera_lens"]
+__all__ = [
+    "CameraChoice",
+    "LensChoice",
+    "SceneChoice",
+    "lens_of_points",
+    "photographic_facts",
+    "scene_camera_lens",
+    "size_of",
+]
 
 _PLACES = ("eye", "target", "up")
 
@@ -57,7 +65,7 @@ class CameraChoice:
 
     def parts(self) -> dict[str, Any]:
         """The fields of a `Camera` that are said."""
-        found: dict[str, Any] = {} if self.size is None else {"size": _size(self.size)}
+        found: dict[str, Any] = {} if self.size is None else {"size": size_of(self.size)}
         said = {name: getattr(self, name) for name in _PLACES}
         found |= {name: _place(name, text) for name, text in said.items() if text is not None}
         return found if self.fov is None else found | {"fov_y": self.fov}
@@ -221,7 +229,8 @@ def _by_option(message: str) -> str:
     return options.get(name, name) + colon + rest
 
 
-def _size(text: str) -> tuple[int, int]:
+def size_of(text: str) -> tuple[int, int]:
+    """'WIDTHxHEIGHT' as two numbers."""
     width, _, height = text.lower().partition("x")
     if not (width.isdigit() and height.isdigit()):
         raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")

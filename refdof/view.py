@@ -31,6 +31,7 @@ __all__ = ["Booking", "Pinhole", "Triangles", "View", "view_of"]
 _WITHOUT_LENS = ("surfaces", "tracer", "triangles", "pinhole", "layers")  # products that no lens changes
 _WITHOUT_SIZE = ("surfaces", "tracer", "triangles")  # nor the picture's size
 _WITH_RADIUS = ("umbra layers", "surface counts", "lensblur")  # only its radius
+_BEFORE_ALL = ("surfaces", "tracer", "ray map", "layers 1", "pinhole", "coc")  # what every method may start from
 _SHARED = ("surfaces", "tracer", "triangles", "ray map", "pinhole", "coc")  # by many methods; small beside layers
 
 
@@ -61,6 +62,11 @@ class Booking:
     def prepare(self) -> float:
         """Seconds that all used products took when they were made."""
         return sum(self.used.values())
+
+    @property
+    def layers(self) -> float:
+        """Those of products beyond the scene and the pinhole picture: layers, triangles for a rasteriser."""
+        return sum(seconds for name, seconds in self.used.items() if name not in _BEFORE_ALL)
 
 
 class View:

@@ -76,6 +76,8 @@ class Method:
     reconstruction : bool
         True where the source was not at hand and the steps are pieced together.
     stages : Stages that it records; empty: not declared yet
+    tradeoff : (parameter, values) or None
+        The parameter that trades speed for accuracy most, and values to try, from fast to slow. None: there is none.
 
     Raises
     ------
@@ -94,6 +96,7 @@ class Method:
     paper: Mapping[str, Any] = field(default_factory=dict)
     reconstruction: bool = False
     stages: tuple[Stage, ...] = ()
+    tradeoff: tuple[str, tuple[Any, ...]] | None = None
 
     def __post_init__(self) -> None:
         as_choice("kind", self.kind, KINDS)
@@ -101,6 +104,8 @@ class Method:
             as_choice("promises", promise, PROMISES)
         for name in self.paper:
             as_choice("paper", name, self.defaults())
+        if self.tradeoff is not None:
+            as_choice("tradeoff", self.tradeoff[0], self.defaults())
 
     @property
     def origin(self) -> str:
@@ -138,6 +143,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
         "promises": method.promises,
         "known_defects": method.known_defects,
         "stages": [asdict(stage) for stage in method.stages],
+        "tradeoff": None if method.tradeoff is None else {method.tradeoff[0]: method.tradeoff[1]},
     }
 
 

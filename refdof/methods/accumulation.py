@@ -72,6 +72,7 @@ METHOD = Method(
     paper={
         "shared_pattern": True,  # [1]: every view is one point of the lens for the whole picture
     },
+    tradeoff=("samples", (4, 8, 16, 32, 64, 128, 256)),
 )
 
 

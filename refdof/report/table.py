@@ -14,6 +14,7 @@ from refdof.report.rows import DISPLAY, at_noise_floor, is_at_floor, plain
 
 __all__ = [
     "Column",
+    "aligned",
     "columns",
     "csv_table",
     "footnote",
@@ -72,7 +73,7 @@ def scores_table(names: Sequence[str], scores: Sequence[Mapping[str, float]], fl
         noted = "noise floor" if is_at_floor(found, floor) else ""
         told = name if wide or len(name) <= _NAME else f"...{name[3 - _NAME :]}"
         body.append([told, *(f"{found[c.key]:.{c.decimals}f}" for c in shown), noted])
-    return _aligned(head, body)
+    return aligned(head, body)
 
 
 def _heading(comparison: Comparison) -> str:
@@ -86,7 +87,7 @@ def _rows(comparison: Comparison, shown: Sequence[Column], note: str) -> str:
         values = texts(row)
         noted = note if at_noise_floor(row, comparison) else ""
         body.append([row.name, *(values[column.key] for column in shown), noted])
-    return _aligned(head, body)
+    return aligned(head, body)
 
 
 def texts(row: Row) -> dict[str, str]:
@@ -161,7 +162,7 @@ def _value(row: Row, key: str) -> Any:
     return row.scores.get(key) if key in METRICS else getattr(row, key)
 
 
-def _aligned(head: list[str], body: list[list[str]]) -> str:
+def aligned(head: list[str], body: list[list[str]]) -> str:
     """A Markdown table: first and last column to the left, numbers to the right."""
     body = [[_escape(cell) for cell in line] for line in body]
     widths = [max(3, *(len(line[k]) for line in [head, *body])) for k in range(len(head))]

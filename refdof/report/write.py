@@ -17,7 +17,7 @@ from refdof.report.page import index_page, report_page
 from refdof.report.rows import rows_as_json
 from refdof.report.table import csv_table, markdown_table
 
-__all__ = ["write_comparison", "write_comparisons"]
+__all__ = ["distinct_names", "write_comparison", "write_comparisons"]
 
 
 def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], command: str = "") -> None:
@@ -82,7 +82,7 @@ def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLi
         write_comparison(comparisons[0], folder, command)
         return
     target = Path(folder)
-    names = _distinct([comparison.scene for comparison in comparisons])
+    names = distinct_names([comparison.scene for comparison in comparisons])
     for name, comparison in zip(names, comparisons, strict=True):
         write_comparison(comparison, target / name, command)
     _write_tables(comparisons, target, [rows_as_json(comparison, command) for comparison in comparisons])
@@ -99,7 +99,7 @@ def _images(comparison: Comparison) -> list[tuple[str, Float]]:
     """File name without suffix, and image, of everything that gets a picture."""
     (standard, first), pinhole = comparison.standard, [("pinhole", comparison.pinhole)]
     shown = [(standard, first), *(pinhole if standard != "pinhole" else [])]
-    names = _distinct([*(name for name, _ in shown), *(row.name for row in comparison.rows)])
+    names = distinct_names([*(name for name, _ in shown), *(row.name for row in comparison.rows)])
     images = [*(image for _, image in shown), *(row.image for row in comparison.rows)]
     for name, image in zip(names, images, strict=True):
         if image.shape != first.shape:
@@ -107,7 +107,7 @@ def _images(comparison: Comparison) -> list[tuple[str, Float]]:
     return list(zip(names, images, strict=True))
 
 
-def _distinct(names: Sequence[str]) -> list[str]:
+def distinct_names(names: Sequence[str]) -> list[str]:
     """Names that are safe and different as file names, in any letter case."""
     taken: set[str] = set()
     result = []

@@ -157,6 +157,7 @@ METHOD = Method(
         "ramp": "as_printed",  # Eq. (4), which climbs where figure 4(a) falls
         "boundary": "as_printed",  # section 3.2.1: z_0, too, is at -inf
     },
+    tradeoff=("buffers", (1, 2, 3, 4, 6, 8)),
 )
 
 

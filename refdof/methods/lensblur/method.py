@@ -141,6 +141,7 @@ METHOD = Method(
     paper={
         "filter": "nearest",  # Section 3.1: of the intersection found, "the corresponding color is retrieved"
     },
+    tradeoff=("samples", (8, 16, 32, 64, 100, 200)),
 )
 
 

@@ -108,6 +108,7 @@ METHOD = Method(
         "blend": "geometric",  # Eqs. (7), (8)
         "depth_format": "f16",  # Section 3.1: "a 16-bit floating-point texture"
     },
+    tradeoff=("foreground_points", (0, 5, 9)),
 )
 
 

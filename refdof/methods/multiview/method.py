@@ -201,6 +201,7 @@ METHOD = Method(
         "jitter": "noise",  # Section 4.5, its last paragraph
         "pattern": "poisson",  # Section 4.3: "a Poisson disk sampling leads to an ideal distribution"
     },
+    tradeoff=("samples", (8, 16, 32, 64, 128)),
 )
 
 

@@ -73,6 +73,7 @@ METHOD = Method(
     ),
     reconstruction=True,
     stages=STAGES,
+    tradeoff=("max_taps", (2, 4, 8, 12)),
 )
 
 

@@ -91,6 +91,7 @@ METHOD = Method(
         "The mirrored scene gives the mirrored picture only where sides are powers of two.",
     ),
     reconstruction=True,
+    tradeoff=("largest_side", (1, 2, 4, 8, 16)),
 )
 
 

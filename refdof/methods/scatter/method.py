@@ -77,6 +77,7 @@ METHOD = Method(
     texture_reads=texture_reads,
     known_defects=("There is no order in depth: what lies behind spreads over what is in front of it.",),
     reconstruction=True,
+    tradeoff=("order", ("none", "far_to_near")),
 )
 
 

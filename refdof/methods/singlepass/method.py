@@ -66,6 +66,7 @@ METHOD = Method(
     ),
     stages=STAGES,
     paper={},  # the listing leaves texture filters to the host; all else are its own constants
+    tradeoff=("rad_scale", (4.0, 2.0, 1.0, 0.5, 0.25)),
 )
 
 

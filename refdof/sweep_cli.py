@@ -1,0 +1,284 @@
+"""The command `refdof sweep`: the trade of speed for accuracy, measured."""
+
+import json
+import math
+import re
+import shlex
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from refdof._check import InputError, as_choice, as_number
+from refdof.image.atomic import check_folder
+from refdof.methods import METHODS
+from refdof.options import (
+    DEFAULT_SCENE,
+    AsJson,
+    Background,
+    Eye,
+    FNumber,
+    FocalLength,
+    Focus,
+    FocusPoints,
+    Fov,
+    Lens,
+    Limit,
+    MethodSettings,
+    Most,
+    NoFileCamera,
+    NoVignetting,
+    Radius,
+    Samples,
+    Seed,
+    Sensor,
+    Shading,
+    Size,
+    Target,
+    Threads,
+    Tolerance,
+    Units,
+    Up,
+    Wavelengths,
+    listed,
+    refuse_ignored,
+    sample_counts,
+    set_threads,
+    settings_by_method,
+)
+from refdof.progress import progress_line
+from refdof.report.rows import plain
+from refdof.scene.builtin import SCENES
+from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens, size_of
+from refdof.sweep.cost import CostModel, fitted
+from refdof.sweep.front import front
+from refdof.sweep.measured import Measured
+from refdof.sweep.plan import SHOT_AXES, Job, Shot, axis_of, jobs_of, shots_of
+from refdof.sweep.results import Results
+from refdof.sweep.run import ReferenceChoice, sweep
+from refdof.sweep.words import budget_answer, by_shot, front_table, quality_answer, setting, time_in_words
+from refdof.sweep.write import write_report
+from refdof.view import View
+from refdof.warm import REFERENCE, job_of, warm
+
+__all__ = ["add_sweep"]
+
+_FILE = "sweep.duckdb"
+_OF_SHOT = (
+    *("shading", "background", "size", "eye", "target", "up", "fov", "limit", "no_file_camera", "lens_radius", "focus"),
+    *("lens_file", "f_number", "focal_length", "sensor", "units", "wavelengths", "no_vignetting", "focus_points"),
+)
+
+
+def add_sweep(app: typer.Typer) -> None:
+    """Give `app` the command."""
+    app.command(name="sweep")(sweep_command)
+
+
+def sweep_command(
+    context: typer.Context,
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENE", help=f"Built-in scenes or mesh files. Default: {DEFAULT_SCENE}."),
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option("--method", metavar="A,B,C", help="Methods to measure. Default: all.")
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="KEY=V,V,...",
+            help="Values of a parameter of the methods, or of size, lens_radius or focus; repeatable. A method of "
+            "which no parameter is named takes the values of its own tradeoff, see `refdof methods --json`.",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option("--preset", metavar="tradeoff", help="All methods over their tradeoffs on all built-in scenes."),
+    ] = None,
+    budget: Annotated[
+        str | None, typer.Option("--budget", metavar="TIME", help="Tell what comes nearest in this time: 50ms.")
+    ] = None,
+    quality: Annotated[
+        str | None, typer.Option("--quality", metavar="DB", help="Tell the fastest with at least this PSNR: 32dB.")
+    ] = None,
+    predict: Annotated[
+        str | None,
+        typer.Option("--predict", metavar="WxH,...", help="Tell the times at these sizes, by the cost of the points."),
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="DIR", help=f"Folder of {_FILE}, which a later sweep goes on with, and report."),
+    ] = Path("out/sweep"),
+    settings: MethodSettings = None,
+    shading: Shading = None,
+    background: Background = None,
+    size: Size = None,
+    eye: Eye = None,
+    target: Target = None,
+    up: Up = None,
+    fov: Fov = None,
+    limit: Limit = None,
+    no_file_camera: NoFileCamera = None,
+    lens_radius: Radius = None,
+    focus: Focus = None,
+    lens_file: Lens = None,
+    f_number: FNumber = None,
+    focal_length: FocalLength = None,
+    sensor: Sensor = None,
+    units: Units = None,
+    wavelengths: Wavelengths = None,
+    no_vignetting: NoVignetting = None,
+    focus_points: FocusPoints = None,
+    seed: Seed = 0,
+    samples: Samples = None,
+    tolerance: Tolerance = None,
+    max_samples: Most = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure the trade of speed for accuracy: methods with many settings.
+
+    Points that were measured before are not measured again.
+    """
+    set_threads(threads)
+    samples, max_samples = sample_counts(samples, tolerance, max_samples)
+    axes = [axis_of(text) for text in vary or []]
+    if preset is not None:
+        as_choice("preset", preset, ("tradeoff",))
+        refuse_ignored("with --preset, which takes all", "without it", method=method, vary=vary)
+    shot_axes = [axis for axis in axes if axis.name in SHOT_AXES]
+    given = {"size": size, "lens_radius": lens_radius, "focus": focus}
+    for axis in shot_axes:
+        refuse_ignored(f"with --vary {axis.name}, which sets it", "without it", **{axis.name: given[axis.name]})
+    names = listed(method) if method is not None else list(METHODS)
+    for name in names:
+        as_choice("method", name, METHODS)
+    jobs = jobs_of(names, axes, settings_by_method(settings or [], names, ["best"]))
+    limits = (
+        None if budget is None else _quantity("budget", budget, {"ms": 1e-3, "s": 1.0, "us": 1e-6}),
+        None if quality is None else _quantity("quality", quality, {"dB": 1.0, "": 1.0}),
+    )
+    sizes = [size_of(text) for text in listed(predict)] if predict is not None else []
+    check_folder(out)
+    wanted = scenes or (list(SCENES) if preset is not None else [DEFAULT_SCENE])
+    seen = CameraChoice(size, eye, target, up, fov)
+    photo = focal_length, sensor, units
+    lens = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)
+    look = SceneChoice(shading, background, limit, no_file_camera)
+
+    def shots() -> Iterator[Shot]:
+        for name in wanted:
+            scene, camera, chosen = scene_camera_lens(name, seen, lens, look)
+            view = View(scene, camera, lens_of_points(focus_points, scene, camera, chosen, lens))
+            for shot in shots_of(view, axes):
+                yield replace(shot, source=name)
+
+    with progress_line() as tell, Results(out / _FILE) as results:
+        warm([REFERENCE, *(job_of(name, "best") for name in names)], tell, at_least=2)
+        choice = ReferenceChoice(samples, tolerance, seed, max_samples)
+        before = results.keys()
+        words = _said(context)
+        count = len(wanted) * math.prod(len(axis.values) for axis in shot_axes)
+
+        def command(shot: Shot, job: Job) -> str:
+            return _render_command(shot, job, words)
+
+        keys = sweep(shots(), jobs, results, choice, count, command, tell)
+        points = results.points(dict.fromkeys(keys))
+        models = _models(points)
+        tell("report", 0, 0)
+        write_report(points, models, results, out, "refdof " + shlex.join(sys.argv[1:]))
+    answers = _answers(points, *limits)
+    predicted = [_prediction(model, points, size) for model in models for size in sizes]
+    if as_json:
+        facts = {
+            "points": [plain(asdict(point)) for point in points],
+            "fronts": {name: [point.key for point in front(own)] for name, own in by_shot(points).items()},
+            "costs": [plain(asdict(model)) for model in models],
+            "predictions": predicted,
+            "answers": answers,
+        }
+        print(json.dumps(facts, indent=2))
+        return
+    for name, own in by_shot(points).items():
+        print(f"### {name}\n\n{front_table(own)}\n")
+    for line in [*map(str, models), *map(_in_words, predicted), *(answer["words"] for answer in answers)]:
+        print(line)
+    known = len(before & set(keys))
+    print(f"{len(points)} points, {known} of them from earlier runs. Report: {out / 'report.html'}")
+
+
+def _said(context: typer.Context) -> list[str]:
+    """The options of the shot that were given, as words of a command line."""
+    words: list[str] = []
+    for option in context.command.params:
+        value = context.params.get(option.name or "")
+        if option.name not in _OF_SHOT or value is None or value is False:
+            continue
+        for one in value if isinstance(value, list | tuple) else [value]:
+            words += [option.opts[0], *([] if one is True else [str(one)])]
+    return words
+
+
+def _render_command(shot: Shot, job: Job, said: Sequence[str]) -> str:
+    """What renders the picture of a point."""
+    words = ["refdof", "render", shot.source, "--method", job.method, *said]
+    for name, value in shot.varied.items():
+        words += [f"--{name.replace('_', '-')}", str(value)]
+    for name, value in job.settings.items():
+        words += ["--set", f"{name}={str(value).lower() if isinstance(value, bool) else value}"]
+    return shlex.join([*words, "-o", f"{job.method}.png"])
+
+
+def _models(points: Sequence[Measured]) -> list[CostModel]:
+    """The cost of each method where enough was varied."""
+    by_method: dict[str, list[Measured]] = {}
+    for point in points:
+        by_method.setdefault(point.method, []).append(point)
+    return [model for model in map(fitted, by_method.values()) if model is not None]
+
+
+def _answers(points: Sequence[Measured], budget: float | None, quality: float | None) -> list[dict[str, Any]]:
+    found = []
+    for name, own in by_shot(points).items():
+        if budget is not None:
+            found.append({"shot": name, "budget_s": budget, "words": budget_answer(own, budget)})
+        if quality is not None:
+            found.append({"shot": name, "quality_db": quality, "words": quality_answer(own, quality)})
+    return found
+
+
+def _prediction(model: CostModel, points: Sequence[Measured], size: tuple[int, int]) -> dict[str, Any]:
+    """What the slowest point of a method takes at another size, its circles growing with the rows."""
+    point = max((point for point in points if point.method == model.method), key=lambda point: point.time_s)
+    seconds = model.predict(point, size[0] * size[1], point.mean_coc_px * size[1] / point.height)
+    return {
+        "method": model.method,
+        "scene": point.scene,
+        "setting": setting(point),
+        "size": f"{size[0]}x{size[1]}",
+        "seconds": seconds,
+    }
+
+
+def _in_words(predicted: dict[str, Any]) -> str:
+    what = f"{predicted['method']} with {predicted['setting']} on {predicted['scene']}"
+    return f"{what} at {predicted['size']}: {time_in_words(predicted['seconds'])} predicted"
+
+
+def _quantity(name: str, text: str, units: dict[str, float]) -> float:
+    """A number and its unit, in seconds or dB."""
+    found = re.fullmatch(r"([0-9.eE+-]+) *([A-Za-z]*)", text.strip())
+    allowed = " or ".join(f"NUMBER{unit}" for unit in units)
+    if found is None or found[2] not in units:
+        raise InputError(f"{name}: got {text!r}; allowed is {allowed}")
+    try:
+        value = float(found[1])
+    except ValueError:
+        raise InputError(f"{name}: got {text!r}; allowed is {allowed}") from None
+    return as_number(name, value, above=0.0) * units[found[2]]
