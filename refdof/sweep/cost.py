@@ -3,7 +3,7 @@
     t = N^a (c + k q^b ... r^g)
 
 N: pixels, q ...: the parameters that were varied, r: the mean circle of confusion [px]. Of what a sweep does not vary,
-N has the exponent 1 and the others have 0. c >= 0 is what every pixel costs whatever they are, and k has a value for
+N has the exponent 1 and the others have 0. c >= 0 is what every pixel costs whatever they are; c and k have a value for
 each scene. The fit makes relative errors least; the error told is that of points left out of it, one at a time.
 """
 
@@ -35,8 +35,7 @@ class CostModel:
     method : str
     exponents : {name: exponent}
         Of "pixels", each parameter and "circle": those that the sweep varied.
-    per_pixel : float
-        c [s].
+    per_pixel : {scene: c}, in seconds
     factors : {scene: k}
     fixed : float
         The share of c in the time, in the middle of the points.
@@ -47,7 +46,7 @@ class CostModel:
 
     method: str
     exponents: Mapping[str, float]
-    per_pixel: float
+    per_pixel: Mapping[str, float]
     factors: Mapping[str, float]
     fixed: float
     error: float
@@ -63,7 +62,7 @@ class CostModel:
         for name, exponent in self.exponents.items():
             if name != "pixels":
                 grown *= values[name] ** exponent
-        return float(values["pixels"] ** self.exponents.get("pixels", 1.0) * (self.per_pixel + grown))
+        return float(values["pixels"] ** self.exponents.get("pixels", 1.0) * (self.per_pixel[point.scene] + grown))
 
     def __str__(self) -> str:
         grows = " ".join(f"{name}^{exponent:.2f}" for name, exponent in self.exponents.items())
@@ -76,7 +75,7 @@ def fitted(points: Sequence[Measured]) -> CostModel | None:
     """The cost of one method, whose points may be of several scenes; None where too little was varied."""
     names = _names_of(points)
     scenes = list(dict.fromkeys(point.scene for point in points))
-    if not names or len(points) < len(scenes) + len(names) + 2:
+    if not names or len(points) < 2 * len(scenes) + len(names) + 1:
         return None
     at_scene = np.array([scenes.index(point.scene) for point in points])
     logs = np.log([[_values_of(point)[name] for name in names] for point in points])
@@ -92,14 +91,14 @@ def fitted(points: Sequence[Measured]) -> CostModel | None:
             found = model.fit(logs[others], at_scene[others], times[others])
             miss = model.log_time(found, logs[k : k + 1], at_scene[k : k + 1])[0] - times[k]
             left_out.append(abs(math.expm1(float(miss))))
-    constant = float(model.constant(values))
+    constants = np.exp(model.log_constants(values))
     grown = np.exp(model.log_grown(values, logs, at_scene))
     return CostModel(
         points[0].method,
         dict(zip(names, values[: len(names)].tolist(), strict=True)),
-        constant,
+        dict(zip(scenes, constants.tolist(), strict=True)),
         dict(zip(scenes, np.exp(values[-len(scenes) :]).tolist(), strict=True)),
-        float(np.median(constant / (constant + grown))),
+        float(np.median(constants[at_scene] / (constants[at_scene] + grown))),
         float(np.median(left_out)) if left_out else math.nan,
         max(left_out, default=math.nan),
         len(points),
@@ -107,15 +106,18 @@ def fitted(points: Sequence[Measured]) -> CostModel | None:
 
 
 class _Model:
-    """Values are the exponents, log c, and log k of each scene; c is 0 where only pixels are varied."""
+    """Values are the exponents, and log c and log k of each scene; c is 0 where only pixels are varied."""
 
     def __init__(self, names: Sequence[str], scenes: int) -> None:
         self.count, self.scenes = len(names), scenes
         self.has_pixels = "pixels" in names
         self.has_constant = self.count > self.has_pixels
 
-    def constant(self, values: Float) -> Float:
-        return np.asarray(np.exp(values[self.count]) if self.has_constant else 0.0)
+    def log_constants(self, values: Float) -> Float:
+        """log c of each scene."""
+        if not self.has_constant:
+            return np.full(self.scenes, -np.inf)
+        return np.asarray(values[self.count : self.count + self.scenes])
 
     def log_grown(self, values: Float, logs: Float, at_scene: Any) -> Float:
         first = int(self.has_pixels)
@@ -124,7 +126,7 @@ class _Model:
     def log_time(self, values: Float, logs: Float, at_scene: Any) -> Float:
         result = self.log_grown(values, logs, at_scene)
         if self.has_constant:
-            result = np.logaddexp(result, values[self.count])
+            result = np.logaddexp(result, self.log_constants(values)[at_scene])
         return result + logs[:, 0] * values[0] if self.has_pixels else result
 
     def fit(self, logs: Float, at_scene: Any, times: Float) -> Float:
@@ -132,7 +134,7 @@ class _Model:
         exponents = np.ones(self.count)
         level = float(np.median(times - logs @ exponents))
         per_pixel = float(np.median(times - (logs[:, 0] if self.has_pixels else 0.0)))
-        start = [*exponents, *([per_pixel - 2.0] if self.has_constant else []), *([level] * self.scenes)]
+        start = [*exponents, *([per_pixel - 2.0] * self.scenes * self.has_constant), *([level] * self.scenes)]
         loss = {"loss": "soft_l1", "f_scale": 0.1, "x_scale": "jac"}
         bound = [_STEEPEST] * self.count + [np.inf] * (len(start) - self.count)
         result = least_squares(
