@@ -7,12 +7,15 @@ import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from refdof._check import InputError, as_choice, as_number
+from refdof._files import as_plain_file
+from refdof.compare import check_window
 from refdof.image.atomic import check_folder
 from refdof.methods import METHODS
 from refdof.options import (
@@ -178,21 +181,28 @@ def sweep_command(
             for shot in shots_of(view, axes):
                 yield replace(shot, source=name)
 
-    with progress_line() as tell, Results(out / _FILE) as results:
-        warm([REFERENCE, *(job_of(name, "best") for name in names)], tell, at_least=2)
-        choice = ReferenceChoice(samples, tolerance, seed, max_samples)
-        before = results.keys()
-        words = _said(context)
-        count = len(wanted) * math.prod(len(axis.values) for axis in shot_axes)
+    with progress_line(f"{wanted[0]}: scene") as tell:
+        every = shots()
+        first = next(every)  # what is wrong with it is told before a folder is made
+        check_window(first.view)
+        for name in wanted[1:]:
+            if name not in SCENES:
+                as_plain_file("scene", name)
+        with Results(out / _FILE) as results:
+            warm([REFERENCE, *(job_of(name, "best") for name in names)], tell, at_least=2)
+            choice = ReferenceChoice(samples, tolerance, seed, max_samples)
+            before = results.keys()
+            words = _said(context)
+            count = len(wanted) * math.prod(len(axis.values) for axis in shot_axes)
 
-        def command(shot: Shot, job: Job) -> str:
-            return _render_command(shot, job, words)
+            def command(shot: Shot, job: Job) -> str:
+                return _render_command(shot, job, words)
 
-        keys = sweep(shots(), jobs, results, choice, count, command, tell)
-        points = results.points(dict.fromkeys(keys))
-        models = _models(points)
-        tell("report", 0, 0)
-        write_report(points, models, results, out, "refdof " + shlex.join(sys.argv[1:]))
+            keys = sweep(chain([first], every), jobs, results, choice, count, command, tell)
+            points = results.points(dict.fromkeys(keys))
+            models = _models(points)
+            tell("report", 0, 0)
+            write_report(points, models, results, out, "refdof " + shlex.join(sys.argv[1:]))
     answers = _answers(points, *limits)
     predicted = [_prediction(model, points, size) for model in models for size in sizes]
     if as_json:

@@ -18,7 +18,7 @@ EXPLAIN = ["explain", "CASE", "--pixel", "0,0"]
 FRAME, A_LENS = ["--color", "a.npy"], ["--fov", "40", "--focus", "3", "--lens-radius", "1"]
 RESULTS, IMPL, SHADER = ["--results", "."], ["--impl", "x {case} {out}"], ["--shader", "x.frag"]
 
-SHOTS = (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"])
+SHOTS = (RENDER, ["export", "fence", "--out", "a"], ["compare", "fence"], ["sweep", "fence"])
 THIN_SHOTS = (
     ["explain", "fence", "--method", "mipmap", "--pixel", "1,1"],
     ["focus", "fence", "--points", "no.toml", "--method", "mipmap", "--out", "a"],
@@ -53,19 +53,26 @@ REFUSED = [
     *(([*words, "--lens", "biconvex"], "fov", "30", "with --lens, which sets it")
       for words in SHOTS),
     *(([*words, "--focus-points", "x.toml"], option, value, why) for words in (
-        RENDER, ["export", "fence", "--methods", "mipmap", "--out", "a"], ["compare", "fence", "--out", "a"]
+        RENDER, ["export", "fence", "--methods", "mipmap", "--out", "a"], ["compare", "fence", "--out", "a"],
+        ["sweep", "fence", "--out", "a"],
     ) for option, value, why in (
         ("focus", "3", "with --focus-points, which set it"),
         ("lens", "biconvex", "with --focus-points, which need a thin lens"),
     )),
-    (["compare", "fence"], "max-samples", "64", "without --tolerance"),
+    *(([command, "fence"], "max-samples", "64", "without --tolerance") for command in ("compare", "sweep")),
+    *((["sweep", "--preset", "tradeoff"], option, value, "with --preset, which takes all")
+      for option, value in (("method", "mipmap"), ("vary", "delta=0,1"))),
+    *((["sweep", "fence", "--vary", f"{option.replace('-', '_')}={value}"], option, value,
+       f"with --vary {option.replace('-', '_')}, which sets it")
+      for option, value in (("size", "20x20"), ("lens-radius", "2"), ("focus", "2"))),
     (["filter", *FRAME, "--json"], "wide", None, "with --json"),
     (["score", "a.npy", "b.npy", "--json"], "wide", None, "with --json"),
     (["score", "a.npy", "b.npy", "--variance", "c.npy"], "second", "d.npy", "with --variance"),
     *((["filter", *FRAME, "--coc", "c.npy"], option, "2", "with --coc, which replaces it")
       for option in ("fov", "focus", "lens-radius", "f-number", "sensor", "units")),
     *((["filter", *FRAME, *A_LENS], option, "2", "with --lens-radius") for option in ("sensor", "units")),
-    (["compare", "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it"),
+    *(([command, "fence", "--tolerance", "0.1"], "samples", "64", "with --tolerance, which replaces it")
+      for command in ("compare", "sweep")),
     *((EXPLAIN, name, value, "with a case, which has its own") for name, value in (
         ("method", "poisson"), ("set", "rad_scale=1"), ("preset", "paper"), ("size", "9x9"), ("lens-radius", "0"),
         ("focus", "0"), ("eye", "0,0,9"), ("target", "0,1,0"), ("up", "0,0,1"), ("fov", "30"),
@@ -87,13 +94,16 @@ TWICE = [
 ]
 
 # Options that a command heeds whatever else is given.
-SHOT = "shading background size eye target up lens-radius"
+SEEN = "shading background eye target up"
+SHOT = f"{SEEN} size lens-radius"
 HEEDED = {
     "scenes": "json",
     "methods": "json",
     "render": f"method output set preset {SHOT} limit no-file-camera focus-points seed samples stages threads json",
     "export": f"out methods set layers {SHOT} limit no-file-camera focus-points threads json",
     "compare": f"methods out set preset {SHOT} limit no-file-camera focus-points seed tolerance threads json",
+    "sweep": f"preset budget quality predict out set {SEEN} limit "
+    "no-file-camera focus-points seed tolerance threads json",
     "filter": "color depth depth-kind near far coc reference methods out set preset threads json",
     "score": "variance threads json",
     "warm": "",
