@@ -4,7 +4,7 @@ import math
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from threading import Thread
 from typing import Any
@@ -16,8 +16,10 @@ from refdof._jit import JIT_DISABLED, compilations, source_digest
 from refdof._store import stored
 from refdof.comparison import Comparison, Row
 from refdof.field_strip import field_strip
+from refdof.kernel_shape import kept_kernel_shapes
 from refdof.methods import METHODS
 from refdof.metrics import scores_of_many
+from refdof.metrics.artefacts import ArtefactMaps, artefacts_of_many
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -102,7 +104,8 @@ def compare(
     if tolerance is not None and announce is not None:
         announce(forecast_of_view(view, tolerance, max_samples, seed))
     truth, kept = kept_reference(view, samples, tolerance, seed, max_samples, step)
-    rows = rows_of(view, chosen, given, truth.image, tell)
+    rows = rows_of(view, chosen, given, truth.image, tell, truth.standard_error)
+    rows = _with_kernels(rows, given, tell)
     chart = None
     if isinstance(view.lens, SystemLens):
         tell("lens chart", 0, 1)
@@ -188,8 +191,9 @@ def rows_of(
     values: Mapping[str, Mapping[str, Any]],
     reference: Float | None,
     tell: Callable[[str, int, int], None],
+    standard_error: Float | None = None,
 ) -> list[Row]:
-    """Render each method and preset, timed warm; scored where there is a reference."""
+    """Render each method and preset, timed warm; scored where there is a reference, whose noise may be known."""
     results = []
     for k, (name, kind) in enumerate(chosen):
         if k and name != chosen[k - 1][0]:
@@ -198,9 +202,13 @@ def rows_of(
         warm_up(name, values[name], kind)
         results.append(timed(name, view, kind, values[name]))
     found: list[dict[str, float]] = [{} for _ in results]
+    located = found
     if reference is not None:
         images = [result.image for result, _ in results]
         found = scores_of_many(reference, images, lambda done, count: tell("scores", done, count))
+        pinhole = view.pinhole()
+        maps = ArtefactMaps(pinhole.depth, view.coc_px(), pinhole.color, standard_error)
+        located = artefacts_of_many(maps, reference, images, lambda done, count: tell("artefacts", done, count))
     return [
         Row(
             name,
@@ -212,8 +220,23 @@ def rows_of(
             kind,
             len(times),
             max(times) - min(times) if len(times) > 1 else math.nan,
+            located[k],
         )
         for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
+    ]
+
+
+def _with_kernels(
+    rows: Sequence[Row], values: Mapping[str, Mapping[str, Any]], tell: Callable[[str, int, int], None]
+) -> list[Row]:
+    """The rows with what each method makes of one small light; measured once for all scenes and runs."""
+    shapes = kept_kernel_shapes(
+        [(row.method, row.preset, values[row.method]) for row in rows],
+        lambda done, count: tell("kernels", done, count),
+    )
+    return [
+        replace(row, artefacts={**row.artefacts, "kernel_radius": shape.radius, "light_energy": shape.energy})
+        for row, shape in zip(rows, shapes, strict=True)
     ]
 
 

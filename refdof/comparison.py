@@ -1,7 +1,7 @@
 """What a comparison holds: one scene, its reference, and one row per method."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from refdof._check import Float
@@ -19,6 +19,7 @@ class Row:
     ----------
     image : (H, W, 3) float32, linear RGB
     scores : by name, see `refdof.metrics.METRICS`
+    artefacts : by name, see `refdof.metrics.artefacts`; empty without a reference
     prepare_s, blur_s : seconds of a warm run spent on raster products, and of the method itself, the median
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     runs : how many warm runs were timed
@@ -34,6 +35,7 @@ class Row:
     preset: str = "best"
     runs: int = 1
     spread_s: float = math.nan
+    artefacts: dict[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -27,9 +27,12 @@ from refdof.frame.depth_kinds import planar_depth
 from refdof.frame.files import load_frame
 from refdof.frame.frame import Frame, frame_camera
 from refdof.image.file import load_image, png_bytes, save_image
+from refdof.kernel_shape import kernel_shape
 from refdof.methods import cascaded, poisson, singlepass
 from refdof.methods.cascaded import matting
 from refdof.methods.multiview import coverage
+from refdof.metrics.artefacts import ArtefactMaps, artefacts, flicker, moments
+from refdof.motion import flickers, moved_views
 from refdof.optics.lens import photographic_share
 from refdof.optics.pixel_samples import lens_point_sets
 from refdof.optics.systems import glass, lens_map, paraxial, pupil, spectrum, system, trace
@@ -353,6 +356,51 @@ DOORS: dict[str, Door] = {
         },
         {"camera": ("color",)},
     ),
+    "refdof.kernel_shape.kernel_shape": Door(
+        kernel_shape,
+        {"method": "separable", "circle": 2.0, "light": 1, "in_front": False, "preset": "best", "params": {}},
+        {"params": ("parameter", "values")},
+        True,  # NaN of a light that is lost
+    ),
+    "refdof.motion.moved_views": Door(moved_views, {"view": View(SCENE, CAMERA, LENS), "frames": 3}),
+    "refdof.motion.flickers": Door(
+        flickers,
+        {
+            "view": View(SCENE, CAMERA, LENS),
+            "methods": ["separable"],
+            "params": {"separable": {}},
+            "preset": "best",
+            "samples": 16,
+            "frames": 3,
+            "seed": 0,
+            "progress": None,
+        },
+        {"methods": ("params",)},
+        True,  # NaN where all is sharp
+    ),
+    "refdof.metrics.artefacts.artefacts": Door(
+        artefacts,
+        {"maps": ArtefactMaps(DEPTH, COC, COLOR), "reference": COLOR, "image": 2.0 * COLOR},
+        {"reference": ("image",)},
+        True,  # NaN where there are no such pixels
+    ),
+    "refdof.metrics.artefacts.flicker.flicker": Door(
+        flicker,
+        {
+            "frames": np.stack([COLOR, 2.0 * COLOR, COLOR]),
+            "region": COC > 0.0,
+            "second": np.stack([COLOR, COLOR, 3.0 * COLOR]),
+        },
+        {"frames": ("region", "second")},
+        True,  # NaN of no pixel
+    ),
+    "refdof.metrics.artefacts.maps.ArtefactMaps": Door(
+        lambda **words: artefacts(ArtefactMaps(**words), COLOR, 2.0 * COLOR),
+        {"depth": DEPTH, "coc": COC, "color": COLOR, "standard_error": 0.1 * COLOR},
+        {"coc": ("depth",)},
+        True,  # as above
+    ),
+    "refdof.metrics.artefacts.moments.moments": Door(moments, {"spot": COLOR}, any_result=True),  # NaN without light
     "refdof.metrics.scores": Door(refdof.metrics.scores, _PAIR, _SIZES, True),
     "refdof.metrics.perceptual.flip": Door(refdof.metrics.flip, _PAIR, _SIZES),
     "refdof.metrics.pointwise.max_abs": Door(refdof.metrics.max_abs, _PAIR, _SIZES),
@@ -722,6 +770,24 @@ INNER = {
     "refdof.image.display.levels",
     "refdof.metrics.perceptual.flip_processes",
     "refdof.metrics.scores_of_many",
+    "refdof.kernel_shape.KernelShape",
+    "refdof.kernel_shape.kept_kernel_shapes",
+    "refdof.motion.blurred_in_all",
+    "refdof.metrics.artefacts.Artefact",
+    "refdof.metrics.artefacts.artefacts_of_many",
+    "refdof.metrics.artefacts.excess.boundary_step",
+    "refdof.metrics.artefacts.excess.circle_range",
+    "refdof.metrics.artefacts.excess.leakage",
+    "refdof.metrics.artefacts.excess.neighbour_range",
+    "refdof.metrics.artefacts.excess.ringing",
+    "refdof.metrics.artefacts.lamps.Lamp",
+    "refdof.metrics.artefacts.lamps.bokeh",
+    "refdof.metrics.artefacts.lamps.lamps",
+    "refdof.metrics.artefacts.maps.Edges",
+    "refdof.metrics.artefacts.moments.Moments",
+    "refdof.metrics.artefacts.moments.disc_radius",
+    "refdof.metrics.artefacts.reach.within",
+    "refdof.metrics.artefacts.regions.region_rmse",
     "refdof.scene.limits.Meter",
     "refdof.scene.material.as_colors",
     "refdof.scene.material.as_opacity",

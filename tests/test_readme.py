@@ -70,7 +70,9 @@ def test_make_readme_replaces_what_compare_printed(tmp_path):
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "readme_table.py", tmp_path / ".ci")
     (tmp_path / "README.md").write_text("a\n<!-- compare table -->\nold\n<!-- end -->\nb\n<!-- end -->\n")
-    (tmp_path / "table.md").write_text("### fence\n\n| new |\n| --- |\n\nReference: 1 s.\n\nPSNR is\n")
+    (tmp_path / "table.md").write_text(
+        "### fence\n\n| new |\n| --- |\n\nReference: 1 s.\n\n| second |\n| --- |\n\nPSNR is\n"
+    )
     script = [sys.executable, str(tmp_path / ".ci" / "readme_table.py"), str(tmp_path / "table.md")]
     subprocess.run(script, check=True, timeout=60)
     text = (tmp_path / "README.md").read_text()

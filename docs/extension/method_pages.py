@@ -2,6 +2,7 @@
 
 1. Render one scene with the reference and every method, stages recorded    `_pictures`
 2. Write a page for each method, and a table of all                         `_page`, `_table`
+3. Measure what each makes of a small light                                 `_kernels`
 
 Nothing on these pages is written by hand, so nothing on them can grow old.
 """
@@ -20,12 +21,14 @@ from PIL import Image
 
 import refdof
 from extension.docstrings import entries, escape, first_sentence, take_apart
+from refdof.kernel_shape import kernel_shape
 
 __all__ = ["SCENE", "SIZE", "modules", "write"]
 
 SCENE, SIZE, SAMPLES = "fence", (320, 240), 256
 _GAP = 6  # px of white between the pictures
 _GAIN = 4.0  # of the error
+_LIGHTS = (1, 2, 4, 8)  # px
 
 
 class Shown(NamedTuple):
@@ -49,6 +52,7 @@ def write(source: Path, render: bool = True) -> None:
     for name, module in refdof.METHODS.items():
         (folder / f"{name}.rst").write_text(_page(name, module, shown.get(name)))
     (folder / "table.inc").write_text(_table(shown, floor))
+    (folder / "kernels.inc").write_text(_kernels() if render else "")
 
 
 def _source(module: ModuleType) -> ModuleType:
@@ -213,6 +217,17 @@ def _table(shown: dict[str, Shown], floor: float) -> str:
         f"{SAMPLES} samples per pixel and a noise floor of {floor:.2f} dB."
     )
     return "\n".join([*_list_table(head, rows), *([text] if shown else []), ""])
+
+
+def _kernels() -> str:
+    """Kernel radius over the disc's, behind and in front of focus, and the energy of lights, as an RST table."""
+    rows = []
+    for name in refdof.METHODS:
+        radii = [kernel_shape(name, in_front=in_front).radius for in_front in (False, True)]
+        energies = [kernel_shape(name, light=light).energy for light in _LIGHTS]
+        rows.append([f"``{name}``", *(f"{value:.3f}" for value in (*radii, *energies))])
+    head = ["method", "radius, behind", "radius, in front", *(f"light of {light} px" for light in _LIGHTS)]
+    return "\n".join(_list_table(head, rows))
 
 
 def _section(heading: str) -> list[str]:

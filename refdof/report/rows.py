@@ -15,6 +15,7 @@ import numpy as np
 from refdof._check import Float
 from refdof.comparison import Comparison, Row
 from refdof.metrics import FLIP_PPD, METRICS
+from refdof.metrics.artefacts import ARTEFACTS, KERNEL_FACTS
 from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
@@ -75,6 +76,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
                 "spread_s": plain(row.spread_s),
                 "runs": row.runs,
                 "at_noise_floor": at_noise_floor(row, comparison),
+                **{name: plain(row.artefacts.get(name)) for name in (*ARTEFACTS, *KERNEL_FACTS)},
             }
             for row in comparison.rows
         ],

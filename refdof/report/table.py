@@ -10,11 +10,13 @@ from typing import Any, NamedTuple
 
 from refdof.comparison import Comparison, Row
 from refdof.metrics import METRICS
+from refdof.metrics.artefacts import ARTEFACTS, KERNEL_FACTS
 from refdof.report.rows import DISPLAY, at_noise_floor, is_at_floor, plain
 
 __all__ = [
     "Column",
     "aligned",
+    "artefact_columns",
     "columns",
     "csv_table",
     "footnote",
@@ -47,12 +49,23 @@ def columns() -> list[Column]:
     return [*metrics, *(Column(key, heading, 3) for key, heading in times.items())]
 
 
+def artefact_columns() -> list[Column]:
+    """Every artefact metric, then what a small light shows."""
+    return [Column(name, one.heading, one.decimals) for name, one in {**ARTEFACTS, **KERNEL_FACTS}.items()]
+
+
 def markdown_table(comparisons: Sequence[Comparison]) -> str:
-    """One aligned table for each scene, and beneath it what its scores rest on. Ends with a line feed."""
-    blocks = []
+    """One aligned table for each scene, and beneath it what its scores rest on. Ends with a line feed.
+
+    Where there is a reference, a second table tells where the error lies.
+    """
+    blocks, located = [], False
     for comparison in comparisons:
         blocks += [_heading(comparison), _rows(comparison, columns(), "at the noise floor"), reference_line(comparison)]
-    return "\n\n".join([*blocks, footnote()]) + "\n"
+        if any(row.artefacts for row in comparison.rows):
+            blocks += ["Where the error lies:", _artefact_rows(comparison)]
+            located = True
+    return "\n\n".join([*blocks, footnote(), *([footnote_of_artefacts()] if located else [])]) + "\n"
 
 
 def terminal_table(comparisons: Sequence[Comparison]) -> str:
@@ -90,12 +103,27 @@ def _rows(comparison: Comparison, shown: Sequence[Column], note: str) -> str:
     return aligned(head, body)
 
 
+def _artefact_rows(comparison: Comparison) -> str:
+    """Artefacts of each method, without the columns that no picture of this scene has."""
+    shown = [c for c in artefact_columns() if any(_has(row.artefacts.get(c.key)) for row in comparison.rows)]
+    body = [[row.name, *(_text(row.artefacts.get(c.key), c.decimals) for c in shown)] for row in comparison.rows]
+    return aligned(["method", *(column.heading for column in shown)], body, last_is_text=False)
+
+
 def texts(row: Row) -> dict[str, str]:
     """The scores and times of one row as text by key, in the order of `columns`; "-" where there is none."""
-    values = {column: _value(row, column.key) for column in columns()}
-    return {
-        c.key: "-" if value is None or math.isnan(value) else f"{value:.{c.decimals}f}" for c, value in values.items()
-    }
+    return {column.key: _text(_value(row, column.key), column.decimals) for column in columns()}
+
+
+def _text(value: float | None, decimals: int) -> str:
+    if value is None or not _has(value):
+        return "-"
+    text = f"{value:.{decimals}f}"
+    return text.removeprefix("-") if float(text) == 0.0 else text  # no negative zeros
+
+
+def _has(value: float | None) -> bool:
+    return value is not None and not math.isnan(value)
 
 
 def reference_line(comparison: Comparison) -> str:
@@ -143,17 +171,27 @@ def footnote_of_metrics() -> str:
     return "\n".join(lines)
 
 
+def footnote_of_artefacts() -> str:
+    """What the columns of the second table mean."""
+    metrics = [*ARTEFACTS.values(), *KERNEL_FACTS.values()]
+    told = ", ".join(f"{one.heading.partition(' [')[0]} ({one.note})" for one in metrics)
+    return f"Where the error lies, of linear values, without the reference's noise: {told}."
+
+
 def csv_table(comparisons: Sequence[Comparison]) -> str:
     """The same rows with every digit; one line for each scene and method, `params` as JSON."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["scene", "method", *(column.key for column in columns()), "at_noise_floor", "params", "preset"])
+    first = ["scene", "method", *(column.key for column in columns()), "at_noise_floor", "params", "preset"]
+    writer.writerow([*first, *(column.key for column in artefact_columns())])
     for comparison in comparisons:
         for row in comparison.rows:
             values = [_value(row, column.key) for column in columns()]
             noise = str(at_noise_floor(row, comparison)).lower()
             params = json.dumps(plain(row.params), allow_nan=False)
-            writer.writerow([comparison.scene, row.method, *(plain(v) for v in values), noise, params, row.preset])
+            located = [plain(row.artefacts.get(column.key)) for column in artefact_columns()]
+            scored = [comparison.scene, row.method, *(plain(v) for v in values), noise, params, row.preset]
+            writer.writerow([*scored, *located])
     return stream.getvalue()
 
 
@@ -162,11 +200,11 @@ def _value(row: Row, key: str) -> Any:
     return row.scores.get(key) if key in METRICS else getattr(row, key)
 
 
-def aligned(head: list[str], body: list[list[str]]) -> str:
-    """A Markdown table: first and last column to the left, numbers to the right."""
+def aligned(head: list[str], body: list[list[str]], last_is_text: bool = True) -> str:
+    """A Markdown table: first column, and the last if it is text, to the left, numbers to the right."""
     body = [[_escape(cell) for cell in line] for line in body]
     widths = [max(3, *(len(line[k]) for line in [head, *body])) for k in range(len(head))]
-    ends = (0, len(head) - 1)
+    ends = (0, len(head) - 1) if last_is_text else (0,)
 
     def line(texts: list[str]) -> str:
         padded = [t.ljust(w) if k in ends else t.rjust(w) for k, (t, w) in enumerate(zip(texts, widths, strict=True))]

@@ -19,7 +19,7 @@ from refdof.image.display import to_8_bit
 from refdof.image.file import load_image
 from refdof.metrics import METRICS, Metric, scores
 from refdof.report import markdown_table, page, rows_as_json, terminal_table, write_comparison, write_comparisons
-from tests.fake_comparison import SCORES, comparison
+from tests.fake_comparison import ARTEFACTS, SCORES, comparison
 
 
 def strict_json(text):
@@ -70,6 +70,7 @@ def test_json_has_the_promised_structure():
         "spread_s": 0.0625,
         "runs": 3,
         "at_noise_floor": False,
+        **ARTEFACTS,
     }
     for word in ("compare fence", "--size 40x30", "--methods multiview,mipmap", "--set mipmap.samples=65"):
         assert word in found["command"]
@@ -126,7 +127,7 @@ def test_csv_has_the_numbers_of_the_json(tmp_path):
     for line, row in zip(rows, found, strict=True):
         assert (line["scene"], line["method"]) == ("fence", row["method"])
         assert strict_json(line["params"]) == row["params"]
-        for key in [*SCORES, "prepare_s", "blur_s", "spread_s"]:
+        for key in [*SCORES, "prepare_s", "blur_s", "spread_s", *ARTEFACTS]:
             assert float(line[key]) == row[key]
 
 
@@ -138,7 +139,8 @@ def test_the_table_of_a_terminal_has_80_characters_and_the_same_numbers():
         lines = terminal_table([shown, shown]).splitlines()
         assert max(map(len, lines)) <= 80
         cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
-        whole = [line.strip("|").split("|") for line in markdown_table([shown]).splitlines() if line.startswith("| ")]
+        first = markdown_table([shown]).partition("Where the error lies:")[0]
+        whole = [line.strip("|").split("|") for line in first.splitlines() if line.startswith("| ")]
         head = [cell.strip() for cell in whole[0]]
         assert cells[0] == ["method", "PSNR [dB]", "SSIM", "FLIP", "blur [s]", "note"]
         for narrow, wide in zip(cells[2 : 2 + len(shown.rows)], whole[2:], strict=True):
@@ -152,6 +154,29 @@ def test_headings_of_the_table():
         "method", "PSNR [dB]", "8-bit PSNR [dB]", "SSIM", "FLIP", "RMSE", "relMSE", "max", "prepare [s]", "blur [s]",
         "spread [s]", "note",
     ]  # fmt: skip
+
+
+def second_table(text):
+    """The rows of the table under "Where the error lies", the heading first."""
+    lines = text.partition("\nWhere the error lies:\n")[2].strip().splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+
+
+def test_the_second_table_tells_where_the_error_lies():
+    some = {"rmse_in_focus": 0.001234, "rmse_behind": math.nan, "leakage": -1e-7, "kernel_radius": 1.25}
+    shown = comparison(artefacts=some)
+    text = markdown_table([shown])
+    assert second_table(text)[0] == ["method", "in focus", "leakage", "kernel radius / disc"]
+    assert second_table(text)[2:] == [[name, "0.00123", "0.00000", "1.250"] for name in ("multiview", "mipmap")]
+    assert "Where the error lies, of linear values" in text
+    mixed = replace(shown, rows=[shown.rows[0], replace(shown.rows[1], artefacts={**some, "rmse_behind": 0.5})])
+    assert [row[2] for row in second_table(markdown_table([mixed]))[2:]] == ["-", "0.50000"]
+    # Strict JSON and CSV say nothing where there is nothing.
+    row = rows_as_json(mixed)["rows"][0]
+    assert (row["rmse_behind"], row["ringing"], row["kernel_radius"]) == (None, None, 1.25)
+    # Without a reference there is no such table, and never one of 80 characters.
+    assert "error lies" not in markdown_table([comparison(artefacts={})])
+    assert "error lies" not in terminal_table([shown])
 
 
 def test_a_metric_is_one_entry(tmp_path, monkeypatch):
@@ -177,9 +202,11 @@ def test_markdown_is_aligned_and_marks_the_noise_floor():
     near = comparison(scores={**SCORES, "psnr": 52.5})  # 3 dB below the floor of 55.5
     below = comparison(scores={**SCORES, "psnr": 52.4})
     text = markdown_table([near])
-    table = [line for line in text.splitlines() if line.startswith("|")]
-    assert len({len(line) for line in table}) == 1
-    assert len({tuple(k for k, c in enumerate(line) if c == "|") for line in table}) == 1
+    for part in text.split("Where the error lies:"):
+        table = [line for line in part.splitlines() if line.startswith("|")]
+        assert len(table) == 4
+        assert len({len(line) for line in table}) == 1
+        assert len({tuple(k for k, c in enumerate(line) if c == "|") for line in table}) == 1
     assert text.count("| at the noise floor |") == 2
     assert "| at the noise floor |" not in markdown_table([below])
     for words in (
