@@ -18,7 +18,7 @@ from refdof.comparison import Comparison, Row
 from refdof.field_strip import field_strip
 from refdof.kernel_shape import kept_kernel_shapes
 from refdof.methods import METHODS
-from refdof.metrics import scores_of_many
+from refdof.metrics import Scored, scored_of_many
 from refdof.metrics.artefacts import ArtefactMaps, artefacts_of_many
 from refdof.metrics.structural import WINDOW
 from refdof.optics.camera import Camera
@@ -129,6 +129,9 @@ def compare(
         tuple(rows),
         kept,
         chart,
+        view.pinhole().depth,
+        view.coc_px(),
+        view.surface_counts(),
     )
 
 
@@ -201,11 +204,11 @@ def rows_of(
         tell(name, k, len(chosen))
         warm_up(name, values[name], kind)
         results.append(timed(name, view, kind, values[name]))
-    found: list[dict[str, float]] = [{} for _ in results]
-    located = found
+    found = [Scored({}, None) for _ in results]
+    located: list[dict[str, float]] = [{} for _ in results]
     if reference is not None:
         images = [result.image for result, _ in results]
-        found = scores_of_many(reference, images, lambda done, count: tell("scores", done, count))
+        found = scored_of_many(reference, images, lambda done, count: tell("scores", done, count))
         pinhole = view.pinhole()
         maps = ArtefactMaps(pinhole.depth, view.coc_px(), pinhole.color, standard_error)
         located = artefacts_of_many(maps, reference, images, lambda done, count: tell("artefacts", done, count))
@@ -214,13 +217,14 @@ def rows_of(
             name,
             asdict(result.params),
             result.image,
-            found[k],
+            found[k].scores,
             result.seconds["prepare"],
             statistics.median(times),
             kind,
             len(times),
             max(times) - min(times) if len(times) > 1 else math.nan,
             located[k],
+            found[k].flip_map,
         )
         for k, ((name, kind), (result, times)) in enumerate(zip(chosen, results, strict=True))
     ]

@@ -4,11 +4,25 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from refdof._check import Float
+from refdof._check import Float, Index
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["Chart", "Comparison", "Row"]
+__all__ = ["Box", "Chart", "Comparison", "Row"]
+
+
+@dataclass(frozen=True)
+class Box:
+    """A window of pixels: left column x, top row y."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def of(self, image: Any) -> Any:
+        """The part of `image` inside the window."""
+        return image[self.y : self.y + self.height, self.x : self.x + self.width]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +38,7 @@ class Row:
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     runs : how many warm runs were timed
     spread_s : the longest `blur_s` of them minus the shortest; NaN of a single one
+    flip_map : (H, W) float32, FLIP of each pixel; None where there is no reference
     """
 
     method: str
@@ -36,6 +51,7 @@ class Row:
     runs: int = 1
     spread_s: float = math.nan
     artefacts: dict[str, float] = field(default_factory=dict)
+    flip_map: Float | None = None
 
     @property
     def name(self) -> str:
@@ -74,6 +90,10 @@ class Comparison:
     noise_floor_psnr : above this PSNR [dB] a score measures the reference's own noise; NaN: unknown
     kept : whether the reference, and its `seconds`, are of an earlier run of the same
     chart : of a real lens
+    depth : (H, W) float64, of the pinhole picture [scene units]; inf is background
+    coc_px : (H, W) float64, its signed circle of confusion, a radius [px]
+    surface_counts : (H, W) int, surfaces at each pixel's centre; None where they are not known, as the two above
+    crops : what a report shows enlarged; none: it chooses two
     """
 
     scene: str
@@ -88,6 +108,10 @@ class Comparison:
     rows: tuple[Row, ...]
     kept: bool = False
     chart: Chart | None = None
+    depth: Float | None = None
+    coc_px: Float | None = None
+    surface_counts: Index | None = None
+    crops: tuple[Box, ...] = ()
 
     @property
     def standard(self) -> tuple[str, Float]:

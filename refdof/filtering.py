@@ -82,7 +82,19 @@ def filter_frame(
     pinhole = view.pinhole().color
     unknown = math.nan
     return Comparison(
-        frame.name, frame.camera, frame.lens, pinhole, truth, None, unknown, unknown, unknown, tuple(rows)
+        frame.name,
+        frame.camera,
+        frame.lens,
+        pinhole,
+        truth,
+        None,
+        unknown,
+        unknown,
+        unknown,
+        tuple(rows),
+        depth=frame.depth,
+        coc_px=view.coc_px(),
+        surface_counts=None if frame.layers is None else view.surface_counts(),
     )
 
 

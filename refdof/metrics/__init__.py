@@ -6,12 +6,13 @@ order. To add a metric, write its function and add one entry.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
+from refdof._check import Float
 from refdof._jit import run_tasks, thread_count
 from refdof.image.noise_floor import noise_floor_of_pair, noise_floor_psnr
 from refdof.metrics._pair import Shown, shown
-from refdof.metrics.perceptual import FLIP_PPD, Asker, flip, flip_processes
+from refdof.metrics.perceptual import FLIP_PPD, Asker, flip, flip_here, flip_processes
 from refdof.metrics.pointwise import max_abs, psnr, psnr_8bit, rel_mse, rmse
 from refdof.metrics.structural import ssim
 
@@ -19,6 +20,7 @@ __all__ = [
     "FLIP_PPD",
     "METRICS",
     "Metric",
+    "Scored",
     "flip",
     "max_abs",
     "noise_floor_of_pair",
@@ -27,6 +29,7 @@ __all__ = [
     "psnr_8bit",
     "rel_mse",
     "rmse",
+    "scored_of_many",
     "scores",
     "scores_of_many",
     "ssim",
@@ -95,24 +98,39 @@ def scores(reference: Any, image: Any) -> dict[str, float]:
     return {name: metric.function(first, second) for name, metric in METRICS.items()}
 
 
+class Scored(NamedTuple):
+    """`scores` of an image, and FLIP of each pixel, (H, W) float32; None: not known."""
+
+    scores: dict[str, float]
+    flip_map: Float | None
+
+
 def scores_of_many(
     reference: Any, images: Sequence[Any], progress: Callable[[int, int], None] | None = None
 ) -> list[dict[str, float]]:
-    """`scores` of every image; `progress(done, all)` is called between.
+    """`scores` of every image; `progress(done, all)` is called between."""
+    return [one.scores for one in scored_of_many(reference, images, progress)]
+
+
+def scored_of_many(
+    reference: Any, images: Sequence[Any], progress: Callable[[int, int], None] | None = None
+) -> list[Scored]:
+    """`scores` of every image and its map of FLIP; `progress(done, all)` is called between.
 
     Pictures are scored beside each other, and FLIP, which takes most of the time, in processes of its own.
     """
     first = shown("reference", reference)
     count = min(thread_count(), len(images))
     if count < 2 or len(images) * first.size < _FEW_VALUES:
-        return run_tasks(lambda image: scores(first, image), images, progress)
+        return run_tasks(lambda image: _scored(flip_here, first, image), images, progress)
     with flip_processes(count) as ask:
-        return run_tasks(lambda image: _scores_beside(ask, first, image), images, progress)
+        return run_tasks(lambda image: _scored(ask, first, image), images, progress)
 
 
-def _scores_beside(ask: Asker, first: Shown, image: Any) -> dict[str, float]:
+def _scored(ask: Asker, first: Shown, image: Any) -> Scored:
     """`scores`, while FLIP is worked out elsewhere."""
     second = shown("image", image, first.shape)
     answer = ask(first, second)
     found = {name: metric.function(first, second) for name, metric in METRICS.items() if metric.function is not flip}
-    return {name: found[name] if name in found else answer() for name in METRICS}
+    mean, errors = answer()
+    return Scored({name: found.get(name, mean) for name in METRICS}, errors)

@@ -2,7 +2,7 @@
 
 The only file that imports flip-evaluator. As a script it imports nothing else of refdof, so it starts in a fifth of a
 second. It reads a pair after the other from its standard input: height and width as int64, then both images. It
-answers each with one float64, and ends with its input.
+answers each with one float64 and (H, W) float32, and ends with its input.
 
 That library ends the interpreter on some inputs, takes NaN for black and misreads integers and a fourth channel. So
 only its LDR mode is used, with a fixed viewing distance, and only finite float32 (H, W, 3) in C order and [0, 1].
@@ -20,11 +20,11 @@ FLIP_PPD = 67.0206  # pixels per degree, of the display and distance that FLIP's
 SIZE, ANSWER = struct.Struct("<qq"), struct.Struct("<d")
 
 
-def evaluate(reference: Any, image: Any) -> float:
-    """Mean FLIP error of two display images."""
+def evaluate(reference: Any, image: Any) -> tuple[float, Any]:
+    """Mean FLIP error of two display images, and that of each pixel, (H, W) float32."""
     import flip_evaluator  # slow to import
 
-    _, mean, _ = flip_evaluator.evaluate(
+    errors, mean, _ = flip_evaluator.evaluate(
         reference,
         image,
         "LDR",
@@ -33,7 +33,7 @@ def evaluate(reference: Any, image: Any) -> float:
         computeMeanError=True,
         parameters={"ppd": FLIP_PPD},
     )
-    return float(mean)
+    return float(mean), np.ascontiguousarray(np.reshape(errors, reference.shape[:2]), dtype=np.float32)
 
 
 def _answer_all() -> None:
@@ -43,7 +43,9 @@ def _answer_all() -> None:
         shape = (2, *SIZE.unpack(size), 3)
         pair = np.empty(shape, dtype=np.float32)  # the library takes no array that is read-only
         questions.readinto(pair.data.cast("B"))
-        answers.write(ANSWER.pack(evaluate(pair[0], pair[1])))
+        mean, errors = evaluate(pair[0], pair[1])
+        answers.write(ANSWER.pack(mean))
+        answers.write(errors.data)
         answers.flush()
 
 

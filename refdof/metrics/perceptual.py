@@ -14,14 +14,17 @@ from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from refdof._check import Float
 from refdof.metrics import flip_worker
 from refdof.metrics._pair import display_pair
 from refdof.metrics.flip_worker import ANSWER, FLIP_PPD, SIZE, evaluate
 
-__all__ = ["FLIP_PPD", "Asker", "flip", "flip_processes"]
+__all__ = ["FLIP_PPD", "Asker", "flip", "flip_here", "flip_processes"]
 
-Asker: TypeAlias = Callable[[Any, Any], Callable[[], float]]
+Answer: TypeAlias = tuple[float, Float]  # the mean, and the error of each pixel (H, W) float32
+Asker: TypeAlias = Callable[[Any, Any], Callable[[], Answer]]
 _Worker: TypeAlias = subprocess.Popen[bytes]
 
 
@@ -38,7 +41,12 @@ def flip(reference: Any, image: Any) -> float:
     InputError
         If shapes differ or a value is not finite.
     """
-    return evaluate(*display_pair(reference, image))
+    return evaluate(*display_pair(reference, image))[0]
+
+
+def flip_here(reference: Any, image: Any) -> Callable[[], Answer]:
+    """`flip` and the error of each pixel, worked out in this process when it is asked for."""
+    return lambda: evaluate(*display_pair(reference, image))
 
 
 @contextmanager
@@ -47,16 +55,16 @@ def flip_processes(count: int) -> Iterator[Asker]:
 
     Yields
     ------
-    ask : (reference, image) -> (() -> float)
-        Sends a pair to a process; the result waits for the number. Any thread may ask, `count` of them at once. What a
-        process does not answer is worked out here.
+    ask : (reference, image) -> (() -> (float, (H, W) float32))
+        Sends a pair to a process; the result waits for its mean and its map. Any thread may ask, `count` of them at
+        once. What a process does not answer is worked out here.
     """
     started = [worker for worker in (_start() for _ in range(count)) if worker is not None]
     idle: SimpleQueue[_Worker] = SimpleQueue()
     for worker in started:
         idle.put(worker)
 
-    def ask(reference: Any, image: Any) -> Callable[[], float]:
+    def ask(reference: Any, image: Any) -> Callable[[], Answer]:
         pair = display_pair(reference, image)
         with suppress(Empty):
             worker = idle.get_nowait()
@@ -93,11 +101,13 @@ def _send(worker: _Worker, pair: tuple[Float, Float]) -> bool:
     return False
 
 
-def _answer(worker: _Worker, pair: tuple[Float, Float], idle: SimpleQueue[_Worker]) -> float:
-    """What the process says; if it has ended, the number is worked out here."""
+def _answer(worker: _Worker, pair: tuple[Float, Float], idle: SimpleQueue[_Worker]) -> Answer:
+    """What the process says; if it has ended, both are worked out here."""
     assert worker.stdout is not None
+    shape = pair[0].shape[:2]
     told = worker.stdout.read(ANSWER.size)
-    if len(told) < ANSWER.size:
+    errors = np.frombuffer(worker.stdout.read(4 * shape[0] * shape[1]), dtype=np.float32)
+    if errors.size < shape[0] * shape[1]:
         return evaluate(*pair)
     idle.put(worker)
-    return float(ANSWER.unpack(told)[0])
+    return float(ANSWER.unpack(told)[0]), errors.reshape(shape)
