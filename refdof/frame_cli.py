@@ -4,6 +4,7 @@ import json
 import math
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,6 +20,7 @@ from refdof.optics.lens import ThinLens
 from refdof.options import (
     PRESET_HELP,
     AsJson,
+    Crops,
     MethodSettings,
     Threads,
     Units,
@@ -30,6 +32,7 @@ from refdof.options import (
 )
 from refdof.progress import overall, progress_line
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report.crops import boxes_of
 from refdof.score import score_images
 
 __all__ = ["add_frames"]
@@ -90,6 +93,7 @@ def filter_files(
     ] = Path("out"),
     settings: MethodSettings = None,
     preset: Annotated[str, typer.Option("--preset", metavar="best|paper|best,paper", help=PRESET_HELP)] = "best",
+    crop: Crops = None,
     threads: Threads = None,
     wide: Wide = None,
     as_json: AsJson = False,
@@ -116,6 +120,7 @@ def filter_files(
         said = {"focus": focus, "lens_radius": lens_radius, "f_number": f_number, "sensor": sensor, "units": units}
         refuse_ignored("with --coc, which replaces it", "without it", **said)
     frame = load_frame(color, depth, 40.0 if fov is None else fov, lens, coc, depth_kind, near, far)
+    boxes = boxes_of(crop or [], frame.camera.size)
     names = methods_of_frame(frame) if methods is None else listed(methods)
     params = settings_by_method(settings or [], names, presets)
     truth = None if reference is None else read_color("reference", reference)
@@ -123,6 +128,7 @@ def filter_files(
     with progress_line() as tell:
         comparison = filter_frame(frame, names, params, presets, truth, overall(tell, frame.name, 0, 1))
         tell("report", 1, 1)
+        comparison = replace(comparison, crops=boxes)
         write_comparisons([comparison], out, command)
     if as_json:
         print(json.dumps(rows_as_json(comparison, command), indent=2))

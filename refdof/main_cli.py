@@ -25,6 +25,7 @@ from refdof.options import (
     PRESET_HELP,
     AsJson,
     Background,
+    Crops,
     Eye,
     FNumber,
     FocalLength,
@@ -65,6 +66,7 @@ from refdof.options import (
 from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report.crops import boxes_of
 from refdof.scene.builtin import SCENES
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, photographic_facts, scene_camera_lens
 from refdof.truth.forecast import Forecast
@@ -254,6 +256,7 @@ def compare(
     samples: Samples = None,
     tolerance: Tolerance = None,
     max_samples: Most = None,
+    crop: Crops = None,
     threads: Threads = None,
     wide: Annotated[bool | None, typer.Option("--wide", help="Print all columns, beyond 80 characters.")] = None,
     as_json: AsJson = False,
@@ -285,8 +288,10 @@ def compare(
             with warming_up(soon if name in SCENES and not comparisons else []):
                 scene, camera, lens = scene_camera_lens(name, seen, chosen, look)
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
+            boxes = boxes_of(crop or [], camera.size)
             shot = camera, lens, samples, tolerance, seed
-            comparisons.append(compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce))
+            made = compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce)
+            comparisons.append(replace(made, crops=boxes))
         comparisons = _told_apart(comparisons, wanted)
         tell("report", 1000 * len(wanted), 1000 * len(wanted))
         write_comparisons(comparisons, out, "refdof " + shlex.join(sys.argv[1:]))

@@ -181,6 +181,12 @@ Threads = Annotated[int | None, typer.Option("--threads", help="Number of thread
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 PRESET_HELP = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
 Preset = Annotated[str, typer.Option("--preset", metavar="best|paper", help=PRESET_HELP)]
+Crops = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--crop", metavar="X,Y,W,H", help="Show this window enlarged in the report; repeatable. Default: two."
+    ),
+]
 Settings = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter; repeatable.")]
 MethodSettings = Annotated[
     list[str] | None,

@@ -7,30 +7,59 @@
 Each is the window with the largest sum; the second does not overlap the first.
 """
 
-from dataclasses import dataclass
-from typing import Any
+import re
+from collections.abc import Sequence
 
 import numpy as np
 
-from refdof._check import Float
-from refdof.comparison import Comparison
+from refdof._check import Float, InputError
+from refdof.comparison import Box, Comparison
 from refdof.image.display import display
 
-__all__ = ["Box", "choose_crops", "crops_of", "squared_error"]
+__all__ = ["boxes_of", "choose_crops", "crops_of", "placed", "shown_crops", "squared_error"]
+
+_LARGEST = 0.25  # of a side of the picture, of crops that are chosen for a page
 
 
-@dataclass(frozen=True)
-class Box:
-    """A window of pixels: left column x, top row y."""
+def boxes_of(texts: Sequence[str], size: tuple[int, int]) -> tuple[Box, ...]:
+    """'X,Y,W,H' each as a window of a picture of `size`, width and height [px]."""
+    boxes = []
+    for text in texts:
+        numbers = re.fullmatch(r"\s*(\d{1,6}),(\d{1,6}),(\d{1,6}),(\d{1,6})\s*", text, re.ASCII)
+        box = Box(*map(int, numbers.groups())) if numbers else Box(0, 0, 0, 0)
+        if min(box.width, box.height) < 1 or box.x + box.width > size[0] or box.y + box.height > size[1]:
+            allowed = f"X,Y,W,H in whole pixels, a window of the picture of {size[0]}x{size[1]}"
+            raise InputError(f"crop: got {text!r}; allowed is {allowed}")
+        boxes.append(box)
+    return tuple(boxes)
 
-    x: int
-    y: int
-    width: int
-    height: int
 
-    def of(self, image: Any) -> Any:
-        """The part of `image` inside the window."""
-        return image[self.y : self.y + self.height, self.x : self.x + self.width]
+def placed(crops: Sequence[Box], width: int, gap: int) -> tuple[list[tuple[int, int, int, int]], int]:
+    """Where crops stand, (left, top, width, height) each, two in a row of `width` [px]; and the height of all.
+
+    Each is enlarged by a whole factor to half of the row, or made smaller if it is wider. The first of a row is at its
+    left end, the second at its right.
+    """
+    room = (width - gap) // 2
+    places, top = [], 0
+    for first in range(0, len(crops), 2):
+        sizes = []
+        for crop in crops[first : first + 2]:
+            zoom = max(1, room // crop.width)
+            wide = min(zoom * crop.width, room)
+            sizes.append((wide, zoom * crop.height if wide >= crop.width else max(1, crop.height * wide // crop.width)))
+        top += gap if first else 0
+        places += [(0 if k == 0 else width - wide, top, wide, high) for k, (wide, high) in enumerate(sizes)]
+        top += max(high for _, high in sizes)
+    return places, top
+
+
+def shown_crops(comparison: Comparison) -> tuple[Box, ...]:
+    """The crops of a page: those of the comparison, or two that are chosen, a quarter of the picture wide and high."""
+    if comparison.crops:
+        return comparison.crops
+    height, width = comparison.standard[1].shape[:2]
+    return choose_crops(comparison, max(1, int(width * _LARGEST)), max(1, int(height * _LARGEST)))
 
 
 def choose_crops(comparison: Comparison, width: int, height: int) -> tuple[Box, ...]:

@@ -1,15 +1,16 @@
 """Overview: every method beside the reference in one figure, with two crops and the error each.
 
-The only file of the report that imports matplotlib. Each cell shows, from top to bottom: name and scores, the picture,
-two crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
+Each cell shows, from top to bottom: name and scores, the picture,
+crops at a whole zoom factor (so that every pixel is equally large), and four times the absolute error of the
 display image; under the reference four times its standard error. Methods are broken into bands of at most
 five, each of which begins with the reference. Below them stands a real lens's chart, a strip for each.
 """
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from textwrap import wrap
 from typing import TypeAlias
 
@@ -22,11 +23,11 @@ from matplotlib.text import Text
 from PIL import Image
 
 from refdof._check import Float
-from refdof.comparison import Chart, Comparison
+from refdof.comparison import Box, Chart, Comparison
 from refdof.image.atomic import atomic_path
 from refdof.image.display import display, display_slope
 from refdof.image.file import PNG_STRATEGY
-from refdof.report.crops import Box, crops_of, squared_error
+from refdof.report.crops import crops_of, placed, squared_error
 from refdof.report.table import noise_in_words, texts
 
 __all__ = ["ERROR_SCALE", "write_overview"]
@@ -42,25 +43,25 @@ _MARGIN_PX, _GAP_PX, _CROP_GAP_PX = 16, 12, 4
 _HEADER_PX, _TITLE_PX, _LABEL_PX, _BAND_GAP_PX = 40, 46, 22, 22
 _TALLEST = 1.6  # height / width of a picture; taller ones are made narrower
 _FONT, _DPI = "DejaVu Sans", 100  # the font comes with matplotlib
-_CROP_COLORS = ("#ff8c1a", "#19b5e8")
+_CROP_COLORS = ("#ff8c1a", "#19b5e8", "#7bc043", "#d65db1")
 _TIMES = "\N{MULTIPLICATION SIGN}"
 _INK, _PALE_INK = "#111111", "#666666"
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Sizes in pixels of the figure; `zoom` is the crops' whole magnification."""
+    """Sizes in pixels of the figure; `crop`: of those that are chosen; `crops`: how high they stand, enlarged."""
 
     columns: int
     bands: int
     cell: int
     picture: tuple[int, int]
     crop: tuple[int, int]
-    zoom: int
+    crops: int
 
     @property
     def band_height(self) -> int:
-        return _TITLE_PX + 2 * self.picture[1] + _CROP_GAP_PX + self.zoom * self.crop[1] + _LABEL_PX + _BAND_GAP_PX
+        return _TITLE_PX + 2 * self.picture[1] + _CROP_GAP_PX + self.crops + _LABEL_PX + _BAND_GAP_PX
 
     @property
     def size(self) -> tuple[int, int]:
@@ -124,9 +125,10 @@ def _layout(comparison: Comparison) -> _Layout:
     room = (picture_width - _CROP_GAP_PX) // 2
     zoom = max(1, round(room / (width / 5.0)))
     crop_width = min(width, max(1, room // zoom))
-    zoom = room // crop_width
     crop_height = min(height, max(1, round(crop_width * min(max(ratio, 0.5), 1.5))))
-    return _Layout(columns, bands, cell, (picture_width, picture_height), (crop_width, crop_height), zoom)
+    crops = comparison.crops or (Box(0, 0, crop_width, crop_height),)
+    _, crops_height = placed(crops, picture_width, _CROP_GAP_PX)
+    return _Layout(columns, bands, cell, (picture_width, picture_height), (crop_width, crop_height), crops_height)
 
 
 def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[Box, ...]]:
@@ -147,6 +149,8 @@ def _cells(comparison: Comparison, layout: _Layout) -> tuple[list[_Cell], tuple[
         error = _levels(ERROR_SCALE * np.abs(image - standard))
         what = "error" if scored else "difference"
         shown.append(_Cell(row.name, told, _levels(image), f"{ERROR_SCALE} {_TIMES} |{what}|", error))
+    if comparison.crops:
+        return shown, comparison.crops
     return shown, crops_of(total, squared_error(display(comparison.pinhole), standard), *layout.crop)
 
 
@@ -207,12 +211,12 @@ def _draw_cell(
     y += _TITLE_PX
     _draw_picture(figure, canvas, cell.image, crops, (x, y, width, height))
     y += height + _CROP_GAP_PX
-    for k, crop in enumerate(crops):
-        wide, high = layout.zoom * crop.width, layout.zoom * crop.height
-        left = x if k == 0 else x + width - wide
-        _draw_image(canvas, crop.of(cell.image), (left, y, wide, high))
-        _draw_frame(figure, (left, y, wide, high), _CROP_COLORS[k], 2.0)
-    y += layout.zoom * layout.crop[1]
+    for crop, color, (left, top, wide, high) in zip(
+        crops, _colors(), placed(crops, width, _CROP_GAP_PX)[0], strict=False
+    ):
+        _draw_image(canvas, crop.of(cell.image), (x + left, y + top, wide, high))
+        _draw_frame(figure, (x + left, y + top, wide, high), color, 2.0)
+    y += layout.crops
     _text(figure, x, y + 5, cell.error_label, 12, color=_PALE_INK)
     if cell.error is not None:
         _draw_picture(figure, canvas, cell.error, crops, (x, y + _LABEL_PX, width, height))
@@ -224,9 +228,14 @@ def _draw_picture(
     _draw_image(canvas, image, place)
     x, y, width, height = place
     across, down = width / image.shape[1], height / image.shape[0]
-    for crop, color in zip(crops, _CROP_COLORS, strict=False):
+    for crop, color in zip(crops, _colors(), strict=False):
         window = (x + crop.x * across, y + crop.y * down, crop.width * across, crop.height * down)
         _draw_frame(figure, window, color, 1.4)
+
+
+def _colors() -> Iterator[str]:
+    """A colour for each crop, and again from the first."""
+    return cycle(_CROP_COLORS)
 
 
 def _draw_image(canvas: Levels, image: Levels, place: tuple[int, int, int, int]) -> None:

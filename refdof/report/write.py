@@ -13,6 +13,7 @@ from refdof._jit import run_tasks
 from refdof.comparison import Comparison
 from refdof.image.atomic import write_text
 from refdof.image.file import save_image
+from refdof.report.latex import latex_table
 from refdof.report.page import index_page, report_page
 from refdof.report.rows import rows_as_json
 from refdof.report.table import csv_table, markdown_table
@@ -20,7 +21,9 @@ from refdof.report.table import csv_table, markdown_table
 __all__ = ["distinct_names", "write_comparison", "write_comparisons"]
 
 
-def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], command: str = "") -> None:
+def write_comparison(
+    comparison: Comparison, folder: str | os.PathLike[str], command: str = "", position: int = 0
+) -> None:
     """Write one scene's report.
 
     ============================  ==================================================================
@@ -29,6 +32,8 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
     <name>.png, <name>.npy        display image and linear float32 of "reference", "pinhole" and
                                   every method
     overview.png                  every method beside the reference, with crops and errors
+    scores.png, scores.svg        error over time of every method
+    table.tex                     the main scores for LaTeX, with the package booktabs
     report.html                   one offline page to flip the images in place
     ============================  ==================================================================
 
@@ -39,6 +44,8 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
         Made if missing.
     command : str
         What reproduces the report; shown in it. Empty: the nearest `refdof compare` line.
+    position : int
+        Which of several scenes of the command.
 
     Raises
     ------
@@ -46,6 +53,7 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
         If the folder cannot be written, or an image is not finite or not of the reference's shape.
     """
     from refdof.report.overview import write_overview  # matplotlib is slow to import
+    from refdof.report.plots import write_scatter
 
     target = Path(folder)
     images = _images(comparison)
@@ -54,10 +62,14 @@ def write_comparison(comparison: Comparison, folder: str | os.PathLike[str], com
         save_image(target / f"{name}.png", image)
         save_image(target / f"{name}.npy", image.astype("float32"))
 
+    def drawings() -> None:  # one after the other: matplotlib's settings are global
+        write_overview(comparison, target / "overview.png")
+        write_scatter(comparison, [target / "scores.png", target / "scores.svg"])
+
     # Those that take longest come first.
     jobs: list[Callable[[], Any]] = [
-        lambda: write_overview(comparison, target / "overview.png"),
-        lambda: report_page(comparison, command),
+        drawings,
+        lambda: report_page(comparison, command, position),
         *(partial(save, *image) for image in images),
     ]
     _, page, *_ = run_tasks(lambda job: job(), jobs)
@@ -83,8 +95,8 @@ def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLi
         return
     target = Path(folder)
     names = distinct_names([comparison.scene for comparison in comparisons])
-    for name, comparison in zip(names, comparisons, strict=True):
-        write_comparison(comparison, target / name, command)
+    for position, (name, comparison) in enumerate(zip(names, comparisons, strict=True)):
+        write_comparison(comparison, target / name, command, position)
     _write_tables(comparisons, target, [rows_as_json(comparison, command) for comparison in comparisons])
     write_text(target / "report.html", index_page(comparisons, names, command))
 
@@ -92,6 +104,7 @@ def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLi
 def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any) -> None:
     write_text(folder / "table.md", markdown_table(comparisons))
     write_text(folder / "table.csv", csv_table(comparisons))
+    write_text(folder / "table.tex", latex_table(comparisons))
     write_text(folder / "table.json", json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
 
 

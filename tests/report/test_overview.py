@@ -1,13 +1,17 @@
 """The overview figure and the crops in it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from refdof._check import InputError
+from refdof.comparison import Box
 from refdof.image.display import to_8_bit
-from refdof.report.crops import choose_crops
+from refdof.report.crops import boxes_of, choose_crops, placed
 from refdof.report.overview import write_overview
 from tests.fake_comparison import comparison
 
@@ -75,3 +79,47 @@ def test_crops_stay_inside_and_apart(data, width, height):
     assert covered.max() == 1
     # Two always fit beside or above each other where the first leaves room on one side.
     assert len(crops) == 2 or (width < 3 * crop[0] and height < 3 * crop[1])
+
+
+def test_crops_of_the_command_line():
+    assert boxes_of(["0,0,40,30", " 3,4,5,6 "], (40, 30)) == (Box(0, 0, 40, 30), Box(3, 4, 5, 6))
+    for wrong in (
+        "",
+        "1,2,3",
+        "1,2,3,4,5",
+        "-1,2,3,4",
+        "1.5,2,3,4",
+        "36,0,5,5",
+        "0,26,5,5",
+        "0,0,0,5",
+        "0,0,5,0",
+        "a,b,c,d",
+    ):
+        with pytest.raises(InputError, match=r"crop: got '.*'; allowed is X,Y,W,H .* 40x30"):
+            boxes_of([wrong], (40, 30))
+
+
+def test_crops_are_placed_two_in_a_row_enlarged_by_whole_factors():
+    # 100 px with a gap of 4 leave 48 for each: 4 times 10 px, 1 time 30 px, and 60 px made smaller to 48.
+    crops = [Box(0, 0, 10, 5), Box(0, 0, 30, 40), Box(0, 0, 60, 30)]
+    assert placed(crops, 100, 4) == ([(0, 0, 40, 20), (70, 0, 30, 40), (0, 44, 48, 24)], 68)
+    assert placed([], 100, 4) == ([], 0)
+
+
+def test_overview_shows_the_crops_that_are_asked_for(tmp_path):
+    """Each has one colour, which no other part of the picture has."""
+    colors = [(0.9, 0.1, 0.1), (0.1, 0.9, 0.1), (0.1, 0.1, 0.9)]
+    boxes = tuple(Box(4 + 10 * k, 3 + 5 * k, 6 + k, 5) for k in range(3))
+    given = comparison(methods=("a",))
+    given.reference[:] = given.rows[0].image[:] = 0.5
+    for box, color in zip(boxes, colors, strict=True):
+        box.of(given.rows[0].image)[:] = color
+    write_overview(replace(given, crops=boxes), tmp_path / "overview.png")
+    with Image.open(tmp_path / "overview.png") as file:
+        pixels = np.asarray(file.convert("RGB")).astype(int)
+    for box, color in zip(boxes, colors, strict=True):
+        level = to_8_bit(np.array([[color]]))[0, 0].astype(int)
+        zoom = (480 - 4) // 2 // box.width
+        count = (np.abs(pixels - level).max(axis=2) <= 1).sum()
+        # The crop, less its frame of 2 px, and the same place of the picture at 12 times; smoothing blurs its rim.
+        assert count > (zoom * box.width - 4) * (zoom * box.height - 4) + 100 * box.width * box.height

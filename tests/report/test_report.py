@@ -18,7 +18,15 @@ from refdof._check import InputError
 from refdof.image.display import to_8_bit
 from refdof.image.file import load_image
 from refdof.metrics import METRICS, Metric, scores
-from refdof.report import markdown_table, page, rows_as_json, terminal_table, write_comparison, write_comparisons
+from refdof.report import (
+    markdown_table,
+    page,
+    planes,
+    rows_as_json,
+    terminal_table,
+    write_comparison,
+    write_comparisons,
+)
 from tests.fake_comparison import ARTEFACTS, SCORES, comparison
 
 
@@ -42,7 +50,10 @@ class Page(HTMLParser):
         found = dict(attributes)
         self.tags.append(tag)
         self.sources += [value for key, value in attributes if key in ("src", "href", "srcset", "data")]
-        self.current = found.get("id") if tag == "script" else tag
+        if tag == "script":
+            self.current = found.get("id")
+        elif not (tag == "button" and self.current in ("td", "th")):  # a cell's words may be a button's
+            self.current = tag
 
     def handle_data(self, data):
         if self.current == "td":
@@ -109,6 +120,7 @@ def test_every_file_of_one_scene(tmp_path):
     images = ["reference", "pinhole", "multiview", "mipmap"]
     expected = {f"{name}{suffix}" for name in images for suffix in (".png", ".npy")}
     expected |= {"table.md", "table.csv", "table.json", "overview.png", "report.html"}
+    expected |= {"scores.png", "scores.svg", "table.tex"}
     assert {file.name for file in (tmp_path / "out").iterdir()} == expected
     arrays = [given.reference, given.pinhole, *(row.image for row in given.rows)]
     for name, image in zip(images, arrays, strict=True):
@@ -236,6 +248,41 @@ def test_several_scenes_get_a_folder_each(tmp_path):
     assert set(links) == {f"{name}/report.html" for name in folders}
 
 
+def plane(page, number):
+    """The float16 numbers of a plane."""
+    split = np.frombuffer(zlib.decompress(base64.b64decode(page.scripts[f"plane-{number}"])), dtype=np.uint8)
+    low, high = split.astype(np.uint16).reshape(2, -1)
+    return (low | high << 8).view(np.float16)
+
+
+@pytest.mark.parametrize("largest", [3e6, 65504.0, 2e-9, 0.0])
+def test_planes_beside_the_pictures_keep_their_range(largest):
+    """Depths beyond float16 are scaled by a power of two; infinity stays, and no plane is embedded twice."""
+    given = comparison()
+    depth = np.linspace(0.01, 1.0, 40 * 30).reshape(30, 40) * largest
+    depth[3, 4] = np.inf
+    flip_map = np.full((30, 40), 0.3, dtype=np.float32)
+    given = replace(
+        given,
+        depth=depth,
+        coc_px=-depth,
+        surface_counts=np.full((30, 40), 7),
+        rows=(replace(given.rows[0], flip_map=flip_map),),
+    )
+    found = Page(page.report_page(given))
+    images = {image["name"]: image for image in strict_json(found.scripts["about"])["images"]}
+    for name, sign in (("depth", 1.0), ("circle of confusion", -1.0)):
+        told = images[name]
+        assert math.frexp(told["scale"])[0] == 0.5  # a power of two
+        values = sign * plane(found, told["plane"]).astype(float) * told["scale"]
+        np.testing.assert_allclose(values, depth.ravel(), rtol=1 / 2048)  # float16
+    assert images["layers"]["scale"] * plane(found, images["layers"]["plane"])[0] == 7
+    assert abs(plane(found, images["multiview"]["flip"])[0] - 0.3) <= 1 / 512  # rounded to 1/256
+    numbers = [image["plane"] for image in images.values()] + [images["multiview"]["flip"]]
+    assert sorted(numbers) == list(range(len(numbers)))
+    assert f"plane-{len(numbers)}" not in found.scripts
+
+
 def test_page_is_offline_and_holds_every_image():
     given = comparison()
     text = page.report_page(given, "refdof compare <&> fence")
@@ -245,25 +292,23 @@ def test_page_is_offline_and_holds_every_image():
     assert not {"link", "iframe", "object", "img"} & set(found.tags)
     assert "refdof compare <&> fence" in found.scripts["pre"]
     about = strict_json(found.scripts["about"])
-    assert about["names"] == ["reference", "pinhole", "multiview", "mipmap", "standard error"]
+    names = [image["name"] for image in about["images"]]
+    assert names == ["reference", "pinhole", "multiview", "mipmap", "standard error"]
     arrays = [given.reference, given.pinhole, *(row.image for row in given.rows), given.standard_error]
-    for k, image in enumerate(arrays):
-        split = np.frombuffer(zlib.decompress(base64.b64decode(found.scripts[f"image-{k}"])), dtype=np.uint8)
-        low, high = split.astype(np.uint16).reshape(2, -1)
-        bits = (low | high << 8).view(np.float16)
-        np.testing.assert_array_equal(bits, image.astype(np.float16).ravel())
+    for told, image in zip(about["images"], arrays, strict=True):
+        np.testing.assert_array_equal(plane(found, told["plane"]), image.astype(np.float16).ravel())
     for cell in ("multiview", "31.25", "0.9375", "samples = 64, pattern = halton"):
         assert cell in found.cells
 
 
 def test_page_of_a_large_picture_embeds_png(monkeypatch):
     given = comparison()
-    monkeypatch.setattr(page, "FLOAT_LIMIT_PX", 40 * 30 - 1)
+    monkeypatch.setattr(planes, "FLOAT_LIMIT_PX", 40 * 30 - 1)
     found = Page(page.report_page(given))
     assert strict_json(found.scripts["about"])["encoding"] == "png"
-    with Image.open(io.BytesIO(base64.b64decode(found.scripts["image-3"]))) as file:
+    with Image.open(io.BytesIO(base64.b64decode(found.scripts["plane-3"]))) as file:
         np.testing.assert_array_equal(np.asarray(file), to_8_bit(given.rows[1].image))
-    assert "image-4" not in found.scripts
+    assert "plane-4" not in found.scripts
 
 
 def test_page_shows_names_as_text():

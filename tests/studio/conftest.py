@@ -4,10 +4,9 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from playwright.sync_api import sync_playwright
 
 import refdof
-from tests.ports import chromium
+from tests.headless import launched
 from tests.studio.browser import HOSTILE, SIZE, Studio, served, write_cards
 from tests.studio.page import Page
 
@@ -23,11 +22,8 @@ def page(tmp_path):
 
 @pytest.fixture(scope="module")
 def browser():
-    found = chromium.program()
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=found, args=["--no-sandbox", "--disable-dev-shm-usage"])
+    with launched() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")
