@@ -41,6 +41,7 @@ __all__ = [
     "inline",
     "kernel",
     "prange",
+    "processor",
     "results_folder",
     "source_digest",
     "tile_kernel",
@@ -65,7 +66,7 @@ def _digest_of(package: Path, rooms: tuple[str, ...], *flags: str) -> str:
     for path in sorted(path for room in rooms for path in (package / room).rglob("*.py")):
         digest.update(path.relative_to(package).as_posix().encode())
         digest.update(path.read_bytes())
-    words = (numba.__version__, platform.machine(), llvm.get_host_cpu_name(), *flags, sys.version)
+    words = (numba.__version__, platform.machine(), processor(), *flags, sys.version)
     digest.update("|".join(words).encode())
     return digest.hexdigest()[:16]
 
@@ -73,6 +74,11 @@ def _digest_of(package: Path, rooms: tuple[str, ...], *flags: str) -> str:
 def source_digest(*rooms: str) -> str:
     """A name for what the code in some folders of the package makes on this kind of processor; of all, without any."""
     return _digest_of(_package_folder(), rooms or ("",), str(np.__version__))
+
+
+def processor() -> str:
+    """The kind of processor that machine code is made for."""
+    return str(llvm.get_host_cpu_name())
 
 
 def _cache_root() -> Path:

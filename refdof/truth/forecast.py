@@ -17,7 +17,7 @@ from refdof.optics.lens import ThinLens
 from refdof.scene.scene import Scene
 from refdof.truth.error_bar import excess
 from refdof.truth.reference import MAX_SAMPLES, STEADY_REPLICATES, as_most, as_seed
-from refdof.truth.tile_sampler import Spend, TileEstimate, TileSampler, power_of_two
+from refdof.truth.tile_sampler import Spend, TileEstimate, TileSampler, corners_of, power_of_two
 from refdof.view import View, view_of
 
 __all__ = ["Forecast", "forecast", "forecast_of_view"]
@@ -87,7 +87,7 @@ def forecast_of_view(view: View, tolerance: float, max_samples: int = MAX_SAMPLE
     if view.lens.radius == 0.0:
         return Forecast(1.0, 0.0, 0.0)
     sampler = TileSampler(view, STEADY_REPLICATES, seed, Spend(1, tolerance, most), False, False)
-    corners = sampler.corners()
+    corners = corners_of(view.camera.size)
     chosen = sorted({int(len(corners) * (k * _GOLDEN % 1.0)) for k in range(min(_TILES, len(corners)))})
     sampler.tile(corners[chosen[0]], refine=False)  # compiles
 

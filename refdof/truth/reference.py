@@ -24,14 +24,14 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float, Index, as_bool, as_choice, as_function, as_instance, as_integer, as_number
-from refdof._jit import run_tasks
+from refdof.cluster import Cluster
 from refdof.image.noise_floor import LEAST_GROUPS, floor_of_moments
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.owen_sobol import MAX_LOG2
 from refdof.scene.scene import Scene
-from refdof.truth.error_bar import excess
-from refdof.truth.tile_sampler import Spend, TileSampler, power_of_two
+from refdof.truth.tile_sampler import Spend, corners_of, power_of_two
+from refdof.truth.tile_tasks import Tile, TileWork, for_each_tile
 from refdof.view import View, view_of
 
 __all__ = [
@@ -102,6 +102,7 @@ def reference(
     shared_pattern: bool = False,
     progress: Callable[[int, int], None] | None = None,
     max_samples: int = MAX_SAMPLES,
+    cluster: Cluster | None = None,
 ) -> Reference:
     """Render the truth.
 
@@ -131,6 +132,8 @@ def reference(
     max_samples : int
         Lens samples at which a pixel stops although it is above the tolerance, 16 .. 2^20; rounded up to `replicates`
         times a power of two. `Reference.unmet` tells how many pixels did.
+    cluster : Cluster, optional
+        Sample the tiles there, with the same bits: `refdof.cluster.connected`.
 
     Returns
     -------
@@ -143,7 +146,7 @@ def reference(
     """
     view = view_of(scene, camera, lens)
     return reference_of_view(
-        view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress, max_samples
+        view, samples, replicates, seed, tolerance, pixel_filter, shared_pattern, progress, max_samples, cluster
     )
 
 
@@ -157,10 +160,13 @@ def reference_of_view(
     shared_pattern: bool = False,
     progress: Callable[[int, int], None] | None = None,
     max_samples: int = MAX_SAMPLES,
+    cluster: Cluster | None = None,
 ) -> Reference:
     """`reference` of a view whose products are shared."""
     as_instance("view", view, View)
     as_function("progress", progress)
+    if cluster is not None:
+        as_instance("cluster", cluster, Cluster)
     if replicates is not None:
         replicates = as_integer("replicates", replicates, minimum=REPLICATES, maximum=_MOST_REPLICATES)
     samples = as_integer("samples", samples, minimum=1, maximum=(replicates or REPLICATES) << MAX_LOG2)
@@ -169,7 +175,7 @@ def reference_of_view(
     if tolerance is not None:
         tolerance = as_number("tolerance", tolerance, above=0.0)
     spend = Spend(samples, tolerance, as_most(max_samples))
-    return estimate(view, replicates, seed, spend, pixel_filter, shared_pattern, progress)
+    return estimate(view, replicates, seed, spend, pixel_filter, shared_pattern, progress, cluster)
 
 
 def samples_taken(samples: int) -> int:
@@ -200,6 +206,7 @@ def estimate(
     pixel_filter: str = "centre",
     shared_pattern: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    cluster: Cluster | None = None,
 ) -> Reference:
     """`reference_of_view` without the lower limit on replicates."""
     seed = as_seed(seed)
@@ -213,22 +220,19 @@ def estimate(
         for picture in (image, low, high):
             picture[:] = view.pinhole().color
         return replace(result, seconds=time.perf_counter() - began)
-    sampler = TileSampler(view, replicates, seed, spend, box, shared_pattern)
     above = np.zeros((height, width), dtype=np.bool_)
     noise: dict[tuple[int, int], Float] = {}
 
-    def task(corner: tuple[int, int]) -> None:
-        tile = sampler.tile(corner)
-        place = tile.rows, tile.columns
-        image[place], standard_error[place] = tile.found.mean, tile.found.error
-        low[place], high[place] = tile.found.low, tile.found.high
-        result.samples[place] = tile.spent * replicates
-        noise[corner] = tile.noise
-        if spend.tolerance is not None:
-            above[place] = excess(tile.found, spend.tolerance) > 1.0
+    def keep(tile: Tile) -> None:
+        (x, y), (rows, columns) = tile.corner, tile.samples.shape
+        place = slice(y, y + rows), slice(x, x + columns)
+        for picture, part in zip((image, standard_error, low, high), tile.pictures, strict=True):
+            picture[place] = part
+        result.samples[place], above[place], noise[tile.corner] = tile.samples, tile.above, tile.noise
 
-    corners = sampler.corners()
-    run_tasks(task, corners, progress)
+    corners = corners_of(view.camera.size)
+    work = TileWork(view, replicates, seed, spend, box, shared_pattern)
+    for_each_tile(work, corners, keep, cluster, progress)
     floor = math.inf
     if replicates >= LEAST_GROUPS:  # summed in the order of the tiles, whichever ended first
         floor = floor_of_moments(np.sum([noise[corner] for corner in corners], axis=0), image.size, replicates)

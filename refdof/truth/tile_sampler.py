@@ -19,7 +19,7 @@ from refdof.truth.error_bar import Estimate, grid_of, summarise, unfinished
 from refdof.truth.lens_rays import Aim, Traversal, trace_block
 from refdof.view import View
 
-__all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "power_of_two"]
+__all__ = ["FIRST_POINTS", "Spend", "TileEstimate", "TileSampler", "corners_of", "power_of_two"]
 
 _TILE = 16  # px
 _PACKETS = 16  # traced between generating and shading
@@ -68,10 +68,6 @@ class TileSampler:
             wanted = power_of_two(first_samples(view, spend.tolerance) / replicates)
             self._first = np.clip(wanted, min(FIRST_POINTS, self.most_points), self.most_points)
 
-    def corners(self) -> list[tuple[int, int]]:
-        """The tiles, by their upper left pixel (x, y)."""
-        return [(x, y) for y in range(0, self.height, _TILE) for x in range(0, self.width, _TILE)]
-
     def tile(self, corner: tuple[int, int], refine: bool = True) -> TileEstimate:
         """Sample a tile: the first look, and with a tolerance and `refine` the doublings that it asks for."""
         x, y = corner
@@ -109,6 +105,11 @@ class TileSampler:
             trace_block(self._surfaces, traversal, aim, block, pixels, of_wave)
             add_wave(sums, weights, of_wave)
         return sums
+
+
+def corners_of(size: tuple[int, int]) -> list[tuple[int, int]]:
+    """The tiles of a picture (width, height), by their upper left pixel (x, y)."""
+    return [(x, y) for y in range(0, size[1], _TILE) for x in range(0, size[0], _TILE)]
 
 
 def power_of_two(count: Any) -> Any:
