@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from refdof import metrics
+    from refdof import cluster, metrics
     from refdof._check import InputError
     from refdof.filtering import filter_frame
     from refdof.frame.files import load_frame
@@ -64,6 +64,7 @@ __all__ = [
     "ThickLens",
     "ThinLens",
     "View",
+    "cluster",
     "filter_frame",
     "forecast",
     "lens_samples",
@@ -111,7 +112,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("methods", "metrics"):
+    if name in ("cluster", "methods", "metrics"):
         return import_module(f"refdof.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'refdof' has no attribute {name!r}")

@@ -14,6 +14,7 @@ import numpy as np
 from refdof._check import Float, InputError, as_choice, as_function, as_instance
 from refdof._jit import JIT_DISABLED, compilations, source_digest
 from refdof._store import stored
+from refdof.cluster import Cluster
 from refdof.comparison import Comparison, Row
 from refdof.field_strip import field_strip
 from refdof.kernel_shape import kept_kernel_shapes
@@ -61,6 +62,7 @@ def compare(
     preset: str | Sequence[str] = "best",
     max_samples: int = MAX_SAMPLES,
     announce: Callable[[Forecast], None] | None = None,
+    cluster: Cluster | None = None,
 ) -> Comparison:
     """Render the reference and every method, and score them; through a real lens, also draw a lens chart.
 
@@ -80,7 +82,11 @@ def compare(
     max_samples : int
         Of the reference, where `tolerance` is not met before.
     announce : callable, optional
-        Called with the `Forecast` of a reference with a tolerance before it starts.
+        Called with the `Forecast` of a reference with a tolerance before it starts; not with a cluster, whose time it
+        cannot tell.
+    cluster : Cluster, optional
+        Make the references there, with the same bits: `refdof.cluster.connected`. Methods, which are timed, are
+        rendered in this process.
 
     Raises
     ------
@@ -91,6 +97,8 @@ def compare(
     view.times_warm_runs = True
     as_function("progress", progress)
     as_function("announce", announce)
+    if cluster is not None:
+        as_instance("cluster", cluster, Cluster)
     given = as_settings(methods, params)
     check_window(view)
     chosen = distinct(given, preset)
@@ -101,9 +109,9 @@ def compare(
 
     warm([REFERENCE, *(job_of(name, kind) for name, kind in chosen)], progress, at_least=2)
     warm_up("accumulation", {})  # the reference's kernels are the same
-    if tolerance is not None and announce is not None:
+    if tolerance is not None and announce is not None and cluster is None:
         announce(forecast_of_view(view, tolerance, max_samples, seed))
-    truth, kept = kept_reference(view, samples, tolerance, seed, max_samples, step)
+    truth, kept = kept_reference(view, samples, tolerance, seed, max_samples, step, cluster)
     rows = rows_of(view, chosen, given, truth.image, tell, truth.standard_error)
     rows = _with_kernels(rows, given, tell)
     chart = None
@@ -114,7 +122,7 @@ def compare(
         chart = field_strip(
             view,
             wanted,
-            lambda one: kept_reference(one, fewer, None, seed, MAX_SAMPLES, lambda _done, _all: None)[0].image,
+            lambda one: kept_reference(one, fewer, None, seed, MAX_SAMPLES, None, cluster)[0].image,
         )
     return Comparison(
         scene.name,
@@ -136,16 +144,21 @@ def compare(
 
 
 def kept_reference(
-    view: View, samples: int, tolerance: float | None, seed: int, max_samples: int, progress: Callable[[int, int], None]
+    view: View,
+    samples: int,
+    tolerance: float | None,
+    seed: int,
+    max_samples: int,
+    progress: Callable[[int, int], None] | None,
+    cluster: Cluster | None = None,
 ) -> tuple[Reference, bool]:
     """The reference of a view, from the store if an earlier run made it, and whether it is."""
     made = []
 
     def make() -> Reference:
         made.append(True)
-        return reference_of_view(
-            view, samples=samples, tolerance=tolerance, seed=seed, progress=progress, max_samples=max_samples
-        )
+        spend: dict[str, Any] = {"samples": samples, "tolerance": tolerance, "max_samples": max_samples}
+        return reference_of_view(view, seed=seed, progress=progress, cluster=cluster, **spend)
 
     sources = source_digest(), version("embreex"), JIT_DISABLED
     shot = view.scene, view.camera, view.lens, samples, tolerance, seed, max_samples

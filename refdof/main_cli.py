@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from refdof._check import InputError, as_choice
+from refdof.cluster import connected
 from refdof.compare import compare as compare_scene
 from refdof.compare import warming_up
 from refdof.comparison import Comparison
@@ -42,6 +43,7 @@ from refdof.options import (
     Probes,
     Radius,
     Samples,
+    Scheduler,
     Seed,
     Sensor,
     Settings,
@@ -54,6 +56,7 @@ from refdof.options import (
     Units,
     Up,
     Wavelengths,
+    Workers,
     listed,
     refuse_ignored,
     sample_counts,
@@ -257,6 +260,8 @@ def compare(
     tolerance: Tolerance = None,
     max_samples: Most = None,
     crop: Crops = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
     threads: Threads = None,
     wide: Annotated[bool | None, typer.Option("--wide", help="Print all columns, beyond 80 characters.")] = None,
     as_json: AsJson = False,
@@ -280,8 +285,9 @@ def compare(
     soon = [("accumulation", "best"), *((name, kind) for name in names for kind in presets if kind in PRESETS)]
     if not is_warm([REFERENCE, *(job_of(*one) for one in soon)]):
         soon = []  # compiled in parallel processes, by `compare_scene`
-    with progress_line() as tell:
-        wanted = scenes or [DEFAULT_SCENE]
+    wanted = scenes or [DEFAULT_SCENE]
+    first = "scene" if scheduler is None and workers is None else "waiting for workers"
+    with progress_line(first) as tell, connected(scheduler, workers) as cluster:
         for number, name in enumerate(wanted):
             tell(f"{name}: scene", 1000 * number, 1000 * len(wanted))
             share = overall(tell, name, number, len(wanted))
@@ -290,7 +296,8 @@ def compare(
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             boxes = boxes_of(crop or [], camera.size)
             shot = camera, lens, samples, tolerance, seed
-            made = compare_scene(scene, names, params, *shot, share, presets, max_samples, _announce)
+            where = max_samples, _announce, cluster
+            made = compare_scene(scene, names, params, *shot, share, presets, *where)
             comparisons.append(replace(made, crops=boxes))
         comparisons = _told_apart(comparisons, wanted)
         tell("report", 1000 * len(wanted), 1000 * len(wanted))

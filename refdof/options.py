@@ -36,6 +36,7 @@ __all__ = [
     "Probes",
     "Radius",
     "Samples",
+    "Scheduler",
     "Seed",
     "Sensor",
     "Settings",
@@ -48,6 +49,7 @@ __all__ = [
     "Units",
     "Up",
     "Wavelengths",
+    "Workers",
     "listed",
     "metres_of",
     "pixel_of",
@@ -178,6 +180,18 @@ Most = Annotated[
     ),
 ]
 Threads = Annotated[int | None, typer.Option("--threads", help="Number of threads; results do not depend on it.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="tcp://HOST:PORT",
+        help="Make references on the workers of this Dask scheduler, with the same bits; needs refdof[distributed].",
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", help="Instead of --scheduler: on N processes on this machine."),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 PRESET_HELP = "Start from the parameters that come closest to the reference (best) or from the paper's text (paper)."
 Preset = Annotated[str, typer.Option("--preset", metavar="best|paper", help=PRESET_HELP)]

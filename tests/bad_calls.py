@@ -5,6 +5,7 @@ kernels and methods, and records that come out. `tests/test_bad_calls.py` runs t
 neither.
 """
 
+import contextlib
 import importlib
 import inspect
 import math
@@ -19,6 +20,7 @@ import numpy as np
 
 import refdof
 from refdof import METHODS, Aperture, Camera, ExpressiveLens, Light, Material, Part, Scene, ThinLens, View
+from refdof.cluster import connected
 from refdof.compare import compare
 from refdof.filtering import methods_of_frame
 from refdof.focus.focus_lens import Focus, focus_lens
@@ -133,6 +135,15 @@ def _rendered(name: str) -> Callable[..., Any]:
     return lambda **words: refdof.render(name, SCENE, stages=True, **words)
 
 
+def _connected(**words: Any) -> None:
+    """Without starting workers that are allowed."""
+    with (
+        mock.patch("refdof.cluster.by_dask.started", return_value=contextlib.nullcontext()),
+        connected(**words),
+    ):
+        pass
+
+
 def _params_base(name: str) -> dict[str, Any]:
     base = {field.name: getattr(METHODS[name].Params(), field.name) for field in fields(METHODS[name].Params)}
     return base | ({"samples": 4} if "samples" in base else {})
@@ -163,6 +174,7 @@ _REFERENCE = {
     "shared_pattern": False,
     "progress": None,
     "max_samples": 64,
+    "cluster": None,
 }
 _SHOT = {"scene": SCENE, "camera": CAMERA, "lens": LENS}
 _APERTURE = {"boundary": np.zeros((0, 2)), "weights": np.zeros((0, 0)), "scale": (1.0, 1.0), "deviation": INF}
@@ -207,10 +219,12 @@ DOORS: dict[str, Door] = {
             "preset": "best",
             "max_samples": 64,
             "announce": None,
+            "cluster": None,
         },
         {"methods": ("params",), "camera": ("size",)},
         any_result=True,  # PSNR of identical pictures
     ),
+    "refdof.cluster.connection.connected": Door(_connected, {"scheduler": None, "workers": None, "wait_s": 1.0}),
     "refdof.filtering.filter_frame": Door(
         _unwarmed_filter,
         {
@@ -742,6 +756,7 @@ INNER_MODULES = {
     "raster.gpu.tile_bins", "raster.gpu.tile_drawing", "raster.gpu.clip", "raster.gpu.depth_format",
     "raster.gpu.texture_sampling", "raster.gpu.texture_reads", "image.bilinear", "image.channels",
     "raster.filters.downsample", "raster.filters.n_buffer_levels",
+    "cluster.by_dask", "cluster.build", "cluster.completed", "truth.tile_tasks",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",

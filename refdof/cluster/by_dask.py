@@ -19,11 +19,11 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 import dask
-from distributed import Client, LocalCluster, as_completed, get_worker
+from distributed import CancelledError, Client, KilledWorker, LocalCluster, as_completed, get_worker
 
 from refdof._check import InputError
 from refdof._jit import thread_count, use_threads
@@ -36,6 +36,8 @@ __all__ = ["attached", "run", "started"]
 _ANSWER_S = 8.0  # for a connection; with what comes around it, an error is there within 10 s
 _AHEAD = 2  # tasks per worker thread that are sent before others are done, so that no worker waits for the next one
 _ASK_AGAIN_S = 1.0  # how many workers there are: some may come later
+_NO_WORKER_S = 60.0  # after the last one died
+_MOST_SENT = 4  # times that a task is sent; Dask itself gives up after as many deaths
 _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
 _one_at_a_time = Lock()
 
@@ -73,7 +75,7 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=None,
+                scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
                 local_directory=scratch,
                 memory_limit=0,
                 silence_logs=logging.CRITICAL,
@@ -119,7 +121,8 @@ def _quiet() -> Iterator[None]:
 
 def _refuse_others(client: Client) -> None:
     """Raise if a worker has another Python, which could not even read what it is sent, or another build."""
-    for worker, facts in client.get_versions()["workers"].items():
+    versions: Any = client.get_versions()
+    for worker, facts in versions["workers"].items():
         python = ".".join(facts["host"]["python"].split(".")[:3])
         if python != python_version():
             raise InputError(f"worker {worker}: got python {python}; allowed is python {python_version()}, as here")
@@ -142,60 +145,83 @@ class _Parcel:
 
 def run(function: Callable[[Any, Any], Any], shared: Any, tasks: Iterable[Any], client: Client) -> Iterator[Any]:
     """`refdof.cluster.completed` on the workers of a client."""
-    waiting = enumerate(tasks)
-    calls: dict[Any, tuple[int, _Parcel]] = {}  # by future
-
-    def send(number: int, call: _Parcel) -> None:
-        future = client.submit(_perform, place, call, pure=False)
-        calls[future] = number, call
-        ended.add(future)
-
-    def supply() -> None:
-        nonlocal wanted, asked
-        if time.monotonic() > asked + _ASK_AGAIN_S:
-            wanted, asked = _AHEAD * max(sum(client.nthreads().values()), 1), time.monotonic()
-        while len(calls) < wanted:
-            number, task = next(waiting, (-1, None))
-            if number < 0:
-                break
-            send(number, _Parcel((function, task, own_build())))
-
-    place = _scattered(client, shared)
-    ended = as_completed(loop=client.loop)
-    wanted, asked = 0, -math.inf
+    flow = _Flow(client, function, shared, tasks)
     try:
-        supply()
-        while calls:
-            future = next(ended)
-            number, call = calls.pop(future)
-            if future.status == "cancelled":  # all workers died that had what tasks share
-                if place.status != "finished":
-                    place = _scattered(client, shared)
-                send(number, call)
-                continue
-            if future.status == "error":
-                raise _error_of(future, number) from None
-            result = future.result()
-            future.release()
-            supply()
-            yield number, result
+        flow.supply()
+        while flow.calls:
+            yield flow.next()
+            flow.supply()
     finally:
-        client.cancel(list(calls), force=True)
+        client.cancel(list(flow.calls), force=True)
 
 
-def _scattered(client: Client, shared: Any) -> Any:
-    return client.scatter([_Parcel(shared)], broadcast=True, hash=False)[0]
+class _Call(NamedTuple):
+    """A task, its place in the list of all, and how often it was sent."""
+
+    number: int
+    task: _Parcel
+    sent: int = 0
 
 
-def _error_of(future: Any, number: int) -> BaseException:
-    """What a task raised; or, if its workers died, that they did."""
-    error: BaseException = future.exception()
-    if type(error).__name__ == "KilledWorker":
-        return InputError(
-            f"cluster: got a task, number {number}, that ended every worker it was sent to"
-            " (their logs tell why; often it is memory); allowed is one that they survive"
-        )
-    return error
+class _Flow:
+    """Tasks on their way: `calls`, by the future of their results."""
+
+    def __init__(self, client: Client, function: Any, shared: Any, tasks: Iterable[Any]) -> None:
+        self._client, self._function, self._shared, self._left = client, function, shared, enumerate(tasks)
+        self.calls: dict[Any, _Call] = {}
+        self._ended = as_completed(loop=client.loop)
+        self._place = self._scattered()
+        self._wanted, self._asked = 0, -math.inf
+
+    def _scattered(self) -> Any:
+        try:
+            return self._client.scatter([_Parcel(self._shared)], broadcast=True, hash=False, timeout=_NO_WORKER_S)[0]
+        except (TimeoutError, CancelledError, OSError) as error:
+            raise InputError(
+                f"cluster: got no worker for {_NO_WORKER_S:g} s ({error}); allowed is at least one"
+            ) from None
+
+    def _send(self, call: _Call) -> None:
+        if call.sent == _MOST_SENT:
+            raise _mortal(call.number)
+        future = self._client.submit(_perform, self._place, call.task, pure=False)
+        self.calls[future] = call._replace(sent=call.sent + 1)
+        self._ended.add(future)
+
+    def supply(self) -> None:
+        """Send tasks until every worker has the next one."""
+        if time.monotonic() > self._asked + _ASK_AGAIN_S:
+            self._wanted = _AHEAD * max(sum(self._client.nthreads().values()), 1)
+            self._asked = time.monotonic()
+        while len(self.calls) < self._wanted:
+            for number, task in self._left:
+                self._send(_Call(number, _Parcel((self._function, task, own_build()))))
+                break
+            else:
+                return
+
+    def next(self) -> tuple[int, Any]:
+        """Wait for a result."""
+        while True:
+            future = next(self._ended)
+            call = self.calls.pop(future)
+            if future.status == "error":
+                error = future.exception()
+                if isinstance(error, KilledWorker):
+                    raise _mortal(call.number)
+                raise error.with_traceback(future.traceback())
+            with suppress(CancelledError):
+                return call.number, future.result()
+            if self._place.status != "finished":  # all workers died that had what tasks share
+                self._place = self._scattered()
+            self._send(call)
+
+
+def _mortal(number: int) -> InputError:
+    return InputError(
+        f"cluster: got workers that died while they had task {number}, again and again"
+        " (their logs tell why; often it is memory); allowed are workers that survive it"
+    )
 
 
 def _perform(place: _Parcel, call: _Parcel) -> Any:

@@ -1,8 +1,8 @@
 """Completed: the results of tasks as they end, from this process or from the workers of a cluster.
 
-A task is a function of something that all tasks share and of a little of its own. What they share travels to each worker
-once and stays there as one object, so whatever a task keeps in it is found by the next one. A task that is sent again,
-since its worker died, gives the same result: it depends on nothing else.
+A task is a function of something that all tasks share and of a little of its own. What they share travels to each
+worker once and stays there as one object, so whatever a task keeps in it is found by the next one. A task that is sent
+again, since its worker died, gives the same result: it depends on nothing else.
 """
 
 from collections.abc import Callable, Iterable, Iterator

@@ -40,7 +40,7 @@ class Tile(NamedTuple):
 
 
 class TileWork:
-    """What all tiles share. Pickled, it is scene, camera, lens and numbers; what is made of them is made where it is used."""
+    """What all tiles share. It travels as scene, camera, lens and numbers; the rest is made where it is used."""
 
     def __init__(self, view: View, replicates: int, seed: int, spend: Spend, box: bool, shared_pattern: bool) -> None:
         self._view, self._how = view, (replicates, seed, spend, box, shared_pattern)
@@ -79,8 +79,7 @@ def for_each_tile(
     progress: Callable[[int, int], None] | None,
 ) -> None:
     """Make all tiles, hand each to `keep` as it ends, and call progress(done, all) between."""
-    work_here = cluster is None
-    if work_here:
+    if cluster is None:
         work.sampler()
         run_tasks(lambda corner: keep(work.tile(corner)), corners, progress)
         return
