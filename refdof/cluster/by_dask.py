@@ -11,6 +11,7 @@ Dask sends a task again whose worker died. What tasks share is lost when all wor
 import logging
 import math
 import os
+import signal
 import socket
 import tempfile
 import time
@@ -34,6 +35,7 @@ from refdof.cluster.completed import Cluster
 __all__ = ["attached", "run", "started"]
 
 _ANSWER_S = 8.0  # for a connection; with what comes around it, an error is there within 10 s
+_MOST_PARTS = 1 << 16
 _AHEAD = 2  # tasks per worker thread that are sent before others are done, so that no worker waits for the next one
 _ASK_AGAIN_S = 1.0  # how many workers there are: some may come later
 _NO_WORKER_S = 60.0  # after the last one died
@@ -45,11 +47,7 @@ _one_at_a_time = Lock()
 @contextmanager
 def attached(address: str, wait_s: float) -> Iterator[Cluster]:
     """A cluster of the workers that a scheduler has."""
-    parts = urlsplit(address)
-    try:
-        socket.create_connection((parts.hostname or "", parts.port or 0), timeout=_ANSWER_S).close()
-    except OSError as error:
-        raise _unreachable(address, error.strerror or str(error)) from None
+    _knock(address)
     with _quiet(), _client(address, _ANSWER_S) as client:
         with suppress(TimeoutError):
             client.wait_for_workers(1, timeout=wait_s)
@@ -61,6 +59,21 @@ def attached(address: str, wait_s: float) -> Iterator[Cluster]:
         yield Cluster(client, address)
 
 
+def _knock(address: str) -> None:
+    """Raise unless a Dask scheduler is behind an address: Dask's client would wait for ever for a silent one.
+
+    A scheduler speaks first, and its message begins with the small number of its parts. Encrypted, it does not.
+    """
+    parts = urlsplit(address)
+    try:
+        with socket.create_connection((parts.hostname or "", parts.port or 0), timeout=_ANSWER_S) as door:
+            first = b"" if parts.scheme == "tls" else door.recv(8)
+    except OSError as error:
+        raise _unreachable(address, error.strerror or str(error)) from None
+    if parts.scheme != "tls" and not 0 < int.from_bytes(first, "little") < _MOST_PARTS:
+        raise _unreachable(address, "it does not speak as a Dask scheduler")
+
+
 @contextmanager
 def started(workers: int, wait_s: float) -> Iterator[Cluster]:
     """A cluster of new processes on this machine, which share its processors."""
@@ -70,22 +83,39 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
         stack.enter_context(_quiet())
         scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="refdof-workers-", ignore_cleanup_errors=True))
         stack.enter_context(unfinished(Path(scratch)))
-        cluster = stack.enter_context(
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
-                local_directory=scratch,
-                memory_limit=0,
-                silence_logs=logging.CRITICAL,
-                env=environment,
-            )
+        stack.enter_context(dask.config.set({"temporary-directory": scratch}))
+        cluster = LocalCluster(
+            n_workers=0,
+            threads_per_worker=1,
+            processes=True,
+            scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+            env=environment,
         )
-        client = stack.enter_context(_client(cluster, wait_s))
-        client.wait_for_workers(workers, timeout=wait_s)
-        _refuse_others(client)
-        yield Cluster(client, cluster.scheduler_address)
+        with _closing(cluster), _client(cluster, wait_s) as client:
+            cluster.scale(workers)
+            client.wait_for_workers(workers, timeout=wait_s)
+            _refuse_others(client)
+            yield Cluster(client, cluster.scheduler_address)
+
+
+@contextmanager
+def _closing(cluster: LocalCluster) -> Iterator[None]:
+    """Close a cluster; if something was raised, kill its workers first, which may be in the middle of a task."""
+    try:
+        yield
+    except BaseException:
+        cluster.shutdown_on_close = False  # Dask would do it once more when Python ends
+        for nanny in cluster.workers.values():
+            nanny.close_gracefully()  # starts no new process
+            if nanny.pid is not None:
+                with suppress(ProcessLookupError):
+                    os.kill(nanny.pid, signal.SIGKILL)
+        with suppress(Exception):  # of workers that were just being started
+            cluster.close()
+        raise
+    cluster.close()
 
 
 @contextmanager
@@ -95,7 +125,7 @@ def _client(where: Any, timeout: float) -> Iterator[Client]:
         try:
             client = Client(where, timeout=timeout, set_as_default=False)
         except (OSError, ValueError) as error:
-            raise _unreachable(str(where), f"no answer of a Dask scheduler: {error}") from None
+            raise _unreachable(str(where), " ".join(str(error).split())) from None
     with client:
         yield client
 
@@ -111,12 +141,15 @@ def _quiet() -> Iterator[None]:
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1GB"}):
+    with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1GB"}):
+        try:
             yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
+        except KeyboardInterrupt:  # Python ends soon, and with it what Dask would tell of: it stays quiet
+            levels = [logging.CRITICAL + 1] * len(levels)
+            raise
+        finally:
+            for logger, level in zip(loggers, levels, strict=True):
+                logger.setLevel(level)
 
 
 def _refuse_others(client: Client) -> None:
