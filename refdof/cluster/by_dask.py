@@ -18,6 +18,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import resource_tracker
 from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple
@@ -84,6 +85,7 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
         scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="refdof-workers-", ignore_cleanup_errors=True))
         stack.enter_context(unfinished(Path(scratch)))
         stack.enter_context(dask.config.set({"temporary-directory": scratch}))
+        _hush_tracker()
         cluster = LocalCluster(
             n_workers=0,
             threads_per_worker=1,
@@ -98,6 +100,18 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
             client.wait_for_workers(workers, timeout=wait_s)
             _refuse_others(client)
             yield Cluster(client, cluster.scheduler_address)
+
+
+def _hush_tracker() -> None:
+    """Start Python's own cleaner of semaphores now, so that it does its work in silence if this process is killed."""
+    before = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = "ignore::UserWarning:multiprocessing.resource_tracker"
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        os.environ.pop("PYTHONWARNINGS")
+        if before is not None:
+            os.environ["PYTHONWARNINGS"] = before
 
 
 @contextmanager
