@@ -133,9 +133,13 @@ def test_a_worker_that_comes_later_with_another_build(tmp_path, log):
         with worker(address, tmp_path / "b", "--preload", str(preload)):
             yield from range(3, 500)
 
-    with scheduler(tmp_path) as (address, _), worker(address, tmp_path / "a"), connected(address) as cluster:
-        with pytest.raises(InputError, match=r"^worker tcp://127\.0\.0\.1:\d+: got sources abc; "):
-            list(completed(work.slow, work.Scene(0), tasks(), cluster))
+    with (
+        scheduler(tmp_path) as (address, _),
+        worker(address, tmp_path / "a"),
+        connected(address) as cluster,
+        pytest.raises(InputError, match=r"^worker tcp://127\.0\.0\.1:\d+: got sources abc; "),
+    ):
+        list(completed(work.slow, work.Scene(0), tasks(), cluster))
 
 
 @pytest.mark.parametrize("part", own_build()._fields)
