@@ -173,7 +173,7 @@ def measured_table(found: dict[str, Any]) -> str:
     scene_mb, heavy_mb = (
         b / 1e6 for b in (statistics.mean(found["scene_bytes"].values()), found["scene_bytes"][heavy])
     )
-    mean_ns = statistics.mean(rays.values())
+    mean_ns, mean_s = statistics.mean(rays.values()), statistics.mean(methods.values())
     more = 100 * (found["reference_there_s"] / found["reference_here_s"] - 1)
     return _table(
         ("measured", "figure"),
