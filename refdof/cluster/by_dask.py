@@ -97,7 +97,12 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
         )
         with _closing(cluster), _client(cluster, wait_s) as client:
             cluster.scale(workers)
-            client.wait_for_workers(workers, timeout=wait_s)
+            with suppress(TimeoutError):
+                client.wait_for_workers(workers, timeout=wait_s)
+            there = len(client.nthreads())
+            if there < workers:
+                why = f"of which {there} had started after {wait_s:g} s"
+                raise InputError(f"workers: got {workers}, {why}; allowed are as many as this machine can start")
             _refuse_others(client)
             yield Cluster(client, cluster.scheduler_address)
 
@@ -199,7 +204,18 @@ def run(function: Callable[[Any, Any], Any], shared: Any, tasks: Iterable[Any], 
             yield flow.next()
             flow.supply()
     finally:
-        client.cancel(list(flow.calls), force=True)
+        with suppress(Exception):  # of a scheduler that is gone
+            client.cancel(list(flow.calls), force=True)
+
+
+@contextmanager
+def _lost() -> Iterator[None]:
+    """Say in one line that the scheduler or its last worker is gone."""
+    try:
+        yield
+    except (OSError, TimeoutError, CancelledError) as error:
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"cluster: lost its scheduler or all workers ({why}); allowed are some that go on") from None
 
 
 class _Call(NamedTuple):
@@ -221,12 +237,8 @@ class _Flow:
         self._wanted, self._asked = 0, -math.inf
 
     def _scattered(self) -> Any:
-        try:
+        with _lost():
             return self._client.scatter([_Parcel(self._shared)], broadcast=True, hash=False, timeout=_NO_WORKER_S)[0]
-        except (TimeoutError, CancelledError, OSError) as error:
-            raise InputError(
-                f"cluster: got no worker for {_NO_WORKER_S:g} s ({error}); allowed is at least one"
-            ) from None
 
     def _send(self, call: _Call) -> None:
         if call.sent == _MOST_SENT:
@@ -238,7 +250,8 @@ class _Flow:
     def supply(self) -> None:
         """Send tasks until every worker has the next one."""
         if time.monotonic() > self._asked + _ASK_AGAIN_S:
-            self._wanted = _AHEAD * max(sum(self._client.nthreads().values()), 1)
+            with _lost():
+                self._wanted = _AHEAD * max(sum(self._client.nthreads().values()), 1)
             self._asked = time.monotonic()
         while len(self.calls) < self._wanted:
             for number, task in self._left:

@@ -203,3 +203,19 @@ def test_interrupt_leaves_no_process_and_no_folder(tmp_path, monkeypatch, second
     assert not [child for child in below if Path(f"/proc/{child}").exists()]
     assert not list((tmp_path / "scratch").glob("refdof-workers-*"))
     assert tempfile.gettempdir()
+
+
+def test_a_scheduler_that_dies(tmp_path, log):
+    with (
+        scheduler(tmp_path) as (address, process),
+        worker(address, tmp_path / "a"),
+        connected(address) as cluster,
+    ):
+        results = completed(work.slow, work.Scene(0), range(50), cluster)
+        next(results)
+        process.kill()
+        began = time.monotonic()
+        with pytest.raises(InputError, match=r"^cluster: ") as refused:
+            list(results)
+        assert len(str(refused.value).splitlines()) == 1
+        assert time.monotonic() - began < 30.0
