@@ -47,7 +47,7 @@ def lenses():
     [
         ("thin", {"samples": 16, "seed": 3}),
         ("thin", {"samples": 16, "pixel_filter": "box"}),
-        ("thin", {"tolerance": 0.01, "max_samples": 512}),
+        ("thin", {"tolerance": 0.003, "max_samples": 512}),
         ("thin", {"samples": 16, "replicates": 4, "shared_pattern": True}),
         ("expressive", {"samples": 16}),
         ("real", {"samples": 16}),
