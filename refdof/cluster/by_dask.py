@@ -27,7 +27,7 @@ from urllib.parse import urlsplit
 import dask
 from distributed import CancelledError, Client, KilledWorker, LocalCluster, as_completed, get_worker
 
-from refdof._check import InputError
+from refdof._check import InputError, as_integer
 from refdof._jit import thread_count, use_threads
 from refdof._process import unfinished
 from refdof.cluster.build import Build, own_build, python_version, refuse_other
@@ -42,6 +42,7 @@ _ASK_AGAIN_S = 1.0  # how many workers there are: some may come later
 _NO_WORKER_S = 60.0  # after the last one died
 _MOST_SENT = 4  # times that a task is sent; Dask itself gives up after as many deaths
 _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
+_THREADS = "REFDOF_WORKER_THREADS"  # Numba's own word must be there before Numba is, which a script may import first
 _one_at_a_time = Lock()
 
 
@@ -78,8 +79,7 @@ def _knock(address: str) -> None:
 @contextmanager
 def started(workers: int, wait_s: float) -> Iterator[Cluster]:
     """A cluster of new processes on this machine, which share its processors."""
-    threads = max(1, thread_count() // workers)
-    environment = {"NUMBA_NUM_THREADS": str(threads), "DASK_LOGGING__DISTRIBUTED": "critical"}
+    environment = {_THREADS: str(max(1, thread_count() // workers)), "DASK_LOGGING__DISTRIBUTED": "critical"}
     with ExitStack() as stack:
         stack.enter_context(_quiet())
         scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="refdof-workers-", ignore_cleanup_errors=True))
@@ -290,6 +290,5 @@ def _perform(place: _Parcel, call: _Parcel) -> Any:
     worker = get_worker()
     refuse_other(worker.address, own_build(), build)
     with _one_at_a_time:
-        if "NUMBA_NUM_THREADS" not in os.environ:
-            use_threads(worker.state.nthreads)
+        use_threads(as_integer(_THREADS, os.environ.get(_THREADS, worker.state.nthreads), minimum=1))
         return function(place.content, task)

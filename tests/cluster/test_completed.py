@@ -6,6 +6,7 @@ import signal
 import pytest
 
 from refdof import InputError
+from refdof._jit import thread_count
 from refdof.cluster import completed, connected
 from tests.cluster import work
 
@@ -30,6 +31,10 @@ def test_results_are_those_of_this_process_and_what_is_shared_travels_once_to_ea
     made = [process for process, said in words if said == "made"]
     assert len(made) == len(set(made))  # what a task keeps in it is there for the next one
     assert os.getpid() not in arrived
+
+
+def test_workers_share_the_processors(two):
+    assert dict(completed(work.threads, None, [0], two)) == {0: max(1, thread_count() // 2)}
 
 
 def test_tasks_are_read_a_few_ahead_of_the_workers(two, log):

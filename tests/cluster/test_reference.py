@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from refdof import Camera, ExpressiveLens, InputError, Part, Scene, SystemLens, 
 from refdof.cluster import connected
 from refdof.truth import tile_tasks
 from tests.cluster import work
-from tests.cluster.machines import scheduler, worker
+from tests.cluster.machines import ROOT, scheduler, worker
 
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(24, 20))  # four tiles, three of them cut
 LENS = ThinLens(0.3, 3.0)
@@ -98,6 +100,33 @@ def test_a_worker_killed_half_way_costs_only_its_tiles(log, monkeypatch):
     assert len(set(begun)) == 24
     assert len(again) <= 2  # the tile that the dead worker did, and one that had ended and was not fetched yet
     assert len(begun) <= 24 + 2
+
+
+SCRIPT = """
+import numpy as np
+from refdof import reference
+from refdof.cluster import connected
+from tests.cluster.test_reference import CAMERA, LENS, scene
+if __name__ == "__main__":
+    here = reference(scene(), CAMERA, LENS, samples=16)
+    with connected(workers=1) as cluster:
+        there = reference(scene(), CAMERA, LENS, samples=16, cluster=cluster)
+    print(np.array_equal(here.image, there.image))
+"""
+
+
+def test_a_script_that_imports_refdof_before_its_worker_does(tmp_path):
+    """A worker process runs the script's head first: Numba is there before the worker's settings are."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "script.py"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert (done.stdout, done.stderr) == ("True\n", "")
 
 
 def test_tasks_last_about_a_second():

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from refdof import InputError
+from refdof._jit import thread_count
 from refdof.truth import tile_tasks
 
 
@@ -69,6 +70,10 @@ def alone(_, task):
     time.sleep(0.02)
     tell("end")
     return task
+
+
+def threads(*_):
+    return thread_count()
 
 
 def sample(work, batch):
