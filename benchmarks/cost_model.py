@@ -54,6 +54,7 @@ def predicted(view, method):
     with tempfile.TemporaryDirectory() as folder, Results(Path(folder) / "sweep.duckdb") as results:
         points = results.points(sweep(shots_of(view, axes), jobs, results, ReferenceChoice(samples=16)))
     model = fitted(points)
+    assert model is not None  # four sizes are enough
     rows = []
     for size in ASKED:
         large = view.with_size(size)

@@ -15,6 +15,7 @@ import typer
 
 from refdof._check import InputError, as_choice, as_number
 from refdof._files import as_plain_file
+from refdof.cluster import connected
 from refdof.compare import check_window
 from refdof.image.atomic import check_folder
 from refdof.methods import METHODS
@@ -36,6 +37,7 @@ from refdof.options import (
     NoVignetting,
     Radius,
     Samples,
+    Scheduler,
     Seed,
     Sensor,
     Shading,
@@ -46,6 +48,7 @@ from refdof.options import (
     Units,
     Up,
     Wavelengths,
+    Workers,
     listed,
     refuse_ignored,
     sample_counts,
@@ -141,6 +144,8 @@ def sweep_command(
     samples: Samples = None,
     tolerance: Tolerance = None,
     max_samples: Most = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -188,7 +193,7 @@ def sweep_command(
         for name in wanted[1:]:
             if name not in SCENES:
                 as_plain_file("scene", name)
-        with Results(out / _FILE) as results:
+        with connected(scheduler, workers) as cluster, Results(out / _FILE) as results:
             warm([REFERENCE, *(job_of(name, "best") for name in names)], tell, at_least=2)
             choice = ReferenceChoice(samples, tolerance, seed, max_samples)
             before = results.keys()
@@ -198,7 +203,7 @@ def sweep_command(
             def command(shot: Shot, job: Job) -> str:
                 return _render_command(shot, job, words)
 
-            keys = sweep(chain([first], every), jobs, results, choice, count, command, tell)
+            keys = sweep(chain([first], every), jobs, results, choice, count, cluster, command, tell)
             points = results.points(dict.fromkeys(keys))
             models = _models(points)
             tell("report", 0, 0)

@@ -103,7 +103,7 @@ HEEDED = {
     "export": f"out methods set layers {SHOT} limit no-file-camera focus-points threads json",
     "compare": f"methods out crop set preset {SHOT} limit no-file-camera focus-points seed tolerance threads json",
     "sweep": f"preset budget quality predict out set {SEEN} limit "
-    "no-file-camera focus-points seed tolerance threads json",
+    "no-file-camera focus-points seed tolerance scheduler workers threads json",
     "filter": "color depth depth-kind near far coc reference methods out crop set preset threads json",
     "score": "variance threads json",
     "warm": "",

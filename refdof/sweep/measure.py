@@ -13,6 +13,7 @@ from refdof.compare import timed, warm_up
 from refdof.machine import processor
 from refdof.methods import METHODS
 from refdof.metrics import scores
+from refdof.metrics.artefacts import ArtefactMaps, artefacts
 from refdof.report.rows import plain
 from refdof.sweep.measured import Measured
 from refdof.sweep.peak_memory import peak_memory
@@ -36,6 +37,8 @@ def measure(shot: Shot, task: Task) -> Measured:
     record = METHODS[job.method].METHOD
     width, height = view.camera.size
     view.times_warm_runs = True
+    pinhole = view.pinhole()
+    maps = ArtefactMaps(pinhole.depth, view.coc_px(), pinhole.color, shot.standard_error)
     view.forget_layers()  # so that they are in the memory of every job that needs them
     circles = np.abs(view.coc_px())
     view.tracer()
@@ -71,4 +74,5 @@ def measure(shot: Shot, task: Task) -> Measured:
         version=refdof.__version__,
         sources=source_digest(),
         measured_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        artefacts=artefacts(maps, shot.image, result.image),
     )

@@ -62,7 +62,7 @@ class Shot:
     varied : {axis: value}
     source : str
         What loads the scene: its name or file.
-    image : (H, W, 3) float32
+    image, standard_error : (H, W, 3) float32
         The reference, once it was rendered.
     noise_floor_psnr : float, of the reference
     """
@@ -71,6 +71,7 @@ class Shot:
     varied: Mapping[str, Any]
     source: str = ""
     image: Float | None = None
+    standard_error: Float | None = None
     noise_floor_psnr: float = math.nan
 
     @property

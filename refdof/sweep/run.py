@@ -1,6 +1,7 @@
 """Run: a sweep, shot by shot and job by job, each point kept as soon as it is measured."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from typing import Any, NamedTuple
@@ -8,6 +9,7 @@ from typing import Any, NamedTuple
 import refdof
 from refdof._jit import JIT_DISABLED, source_digest, thread_count
 from refdof._store import fingerprint
+from refdof.cluster import Cluster, completed
 from refdof.compare import check_window, kept_reference
 from refdof.machine import processor
 from refdof.sweep.measure import Task, measure
@@ -37,6 +39,7 @@ def sweep(
     results: Results,
     choice: ReferenceChoice = ReferenceChoice(),
     count: int = 1,
+    cluster: Cluster | None = None,
     command: Callable[[Shot, Job], str] = lambda _shot, _job: "",
     progress: Callable[[str, int, int], None] | None = None,
 ) -> list[str]:
@@ -50,6 +53,8 @@ def sweep(
     choice : ReferenceChoice
     count : int
         How many shots there are, for the time left.
+    cluster : Cluster, optional
+        Where references and points are made; times are then those of its workers. Without one: here.
     command : (shot, job) -> str
         What renders a picture, kept beside its point.
     progress : callable, optional
@@ -81,22 +86,34 @@ def sweep(
         if prints[0] != str(id(scene)):
             prints = str(id(scene)), fingerprint(scene)
         about = prints[1], shot.view.camera, shot.view.lens, tuple(choice)
-        tasks = [Task(job, _key(about, job), command(shot, job)) for job in jobs]
+        tasks = [Task(job, _key(about, job, cluster), command(shot, job)) for job in jobs]
         keys += [task.key for task in tasks]
         todo = [task for task in tasks if task.key not in known]
         if todo:
-            truth, _ = kept_reference(shot.view, *choice, partial(tell_share, f"{shot.name}: reference"))
-            shot.image, shot.noise_floor_psnr = truth.image, truth.noise_floor_psnr
+            told = partial(tell_share, f"{shot.name}: reference")
+            truth, _ = kept_reference(shot.view, *choice, told, cluster)
+            shot = replace(
+                shot,
+                image=truth.image,
+                standard_error=truth.standard_error,
+                noise_floor_psnr=truth.noise_floor_psnr,
+            )
         left.ended("reference", bool(todo))
         for task in tasks:
-            if task.key not in known:
-                tell(f"{shot.name}: {task.job.method}")
-                results.add(measure(shot, task))
-            left.ended(task.job.method, task.key not in known)
-            known.add(task.key)
+            if task.key in known:
+                left.ended(task.job.method, measured=False)
+        if todo:
+            tell(f"{shot.name}: {todo[0].job.method}")
+        for number, (place, point) in enumerate(completed(measure, shot, todo, cluster), 1):
+            results.add(point)
+            known.add(point.key)
+            left.ended(todo[place].job.method)
+            if number < len(todo):
+                tell(f"{shot.name}: {todo[number].job.method}")
     return keys
 
 
-def _key(about: Any, job: Job) -> str:
+def _key(about: Any, job: Job, cluster: Cluster | None) -> str:
     code = source_digest(), version("embreex"), JIT_DISABLED, refdof.__version__
-    return fingerprint((code, processor(), thread_count(), about, job.method, job.params))
+    where = (processor(), thread_count()) if cluster is None else ("a worker of a cluster", 0)
+    return fingerprint((code, where, about, job.method, job.params))
