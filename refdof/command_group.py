@@ -34,8 +34,8 @@ COMMANDS: dict[str, Home] = {
         "Write what a port starts from, and is compared with.",
     ),
     "compare": Home(
-        "main_cli",
-        "add_main",
+        "compare_cli",
+        "add_compare",
         "Compare methods with a reference: table, images and report.",
     ),
     "filter": Home(

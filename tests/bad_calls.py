@@ -741,7 +741,7 @@ INNER_MODULES = {
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
     "focus.aperture_spline", "focus.fading", "focus.focus_file", "focus.keys", "focus.moving_least_squares",
-    "focus_cli", "frame_cli", "machine", "sweep", "sweep_cli", "listing_cli", "main_cli", "lens_cli",
+    "focus_cli", "frame_cli", "machine", "sweep", "sweep_cli", "compare_cli", "listing_cli", "main_cli", "lens_cli",
     "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "image.channel_choice", "image.exr", "image.radiance",
