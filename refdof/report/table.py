@@ -175,7 +175,7 @@ def footnote_of_artefacts() -> str:
     """What the columns of the second table mean."""
     metrics = [*ARTEFACTS.values(), *KERNEL_FACTS.values()]
     told = ", ".join(f"{one.heading.partition(' [')[0]} ({one.note})" for one in metrics)
-    return f"Where the error lies, of linear values, without the reference's noise: {told}."
+    return f"Where the error lies, of linear values, without the reference's noise where that is known: {told}."
 
 
 def csv_table(comparisons: Sequence[Comparison]) -> str:
