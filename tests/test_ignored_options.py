@@ -101,7 +101,8 @@ HEEDED = {
     "methods": "json",
     "render": f"method output set preset {SHOT} limit no-file-camera focus-points seed samples stages threads json",
     "export": f"out methods set layers {SHOT} limit no-file-camera focus-points threads json",
-    "compare": f"methods out crop set preset {SHOT} limit no-file-camera focus-points seed tolerance threads json",
+    "compare": f"methods out crop set preset {SHOT} limit no-file-camera focus-points seed tolerance "
+    "scheduler workers threads json",
     "sweep": f"preset budget quality predict out set {SEEN} limit "
     "no-file-camera focus-points seed tolerance scheduler workers threads json",
     "filter": "color depth depth-kind near far coc reference methods out crop set preset threads json",
