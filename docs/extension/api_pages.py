@@ -105,6 +105,8 @@ def _package() -> str:
         "",
         "``refdof.metrics`` are the scores, see :doc:`refdof.metrics`.",
         "",
+        "``refdof.cluster`` hands tasks to other machines, see :doc:`refdof.cluster`.",
+        "",
     ]
     for heading, names, directive in (("Functions", functions, "autofunction"), ("Classes", classes, "autoclass")):
         lines += [heading, "-" * len(heading), ""]
