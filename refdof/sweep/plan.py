@@ -1,7 +1,7 @@
 """Plan: what a sweep measures. A point is a job at a shot: a method with its settings, before a scene.
 
 An axis is a name and the values that it takes. It names a parameter of a method, or one of `SHOT_AXES`. A method of
-which no axis names a parameter takes the values of its own tradeoff, `refdof.methods._contract.Method.tradeoff`.
+which no axis names a parameter takes the values of its own tradeoff, the `tradeoff` of its `Method`.
 """
 
 import math
