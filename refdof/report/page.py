@@ -15,7 +15,7 @@ from refdof._check import Float
 from refdof.comparison import Chart, Comparison, Row
 from refdof.report.planes import Planes, png_text
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
-from refdof.report.table import columns, footnote, reference_line, texts
+from refdof.report.table import artefact_texts, columns, footnote, footnote_of_artefacts, reference_line, texts
 
 __all__ = ["index_page", "rendered", "report_page"]
 
@@ -41,6 +41,7 @@ def report_page(comparison: Comparison, command: str = "", position: int = 0) ->
         "report.html",
         values=values,
         table=_table(comparison),
+        located=_located(comparison),
         viewer=planes.about,
         scripts=_SCRIPTS,
         chart=None if comparison.chart is None else _strips(comparison.chart),
@@ -92,16 +93,37 @@ def _table(comparison: Comparison) -> dict[str, Any]:
                 "note": "at the noise floor" if at_noise_floor(row, comparison) else "",
                 "params": ", ".join(f"{key} = {plain(value)}" for key, value in row.params.items()),
             }
-            for number, row in sorted(enumerate(comparison.rows), key=lambda one: _worst_first(one[1]))
+            for number, row in _worst_first(comparison)
         ],
         "reference": reference_line(comparison),
         "footnote": footnote(),
     }
 
 
-def _worst_first(row: Row) -> float:
-    score = row.scores.get("psnr", math.nan)
-    return -math.inf if math.isnan(score) else float(score)
+def _located(comparison: Comparison) -> dict[str, Any] | None:
+    """The table of artefact metrics, in the order of `_table`; None where there are none."""
+    if not any(row.artefacts for row in comparison.rows):
+        return None
+    rows = _worst_first(comparison)
+    columns, cells = artefact_texts([row for _, row in rows])
+    named = zip(rows, cells, strict=True)
+    return {
+        "columns": columns,
+        "sorted_by": None,
+        "rows": [{"method": row.name, "number": number, "cells": texts} for (number, row), texts in named],
+        "reference": "",
+        "footnote": footnote_of_artefacts(),
+    }
+
+
+def _worst_first(comparison: Comparison) -> list[tuple[int, Row]]:
+    """Number and row: without a score first, then the lowest PSNR."""
+
+    def quality(one: tuple[int, Row]) -> float:
+        score = one[1].scores.get("psnr", math.nan)
+        return -math.inf if math.isnan(score) else float(score)
+
+    return sorted(enumerate(comparison.rows), key=quality)
 
 
 def _smaller(image: Float) -> Float:

@@ -17,6 +17,7 @@ __all__ = [
     "Column",
     "aligned",
     "artefact_columns",
+    "artefact_texts",
     "columns",
     "csv_table",
     "footnote",
@@ -104,10 +105,17 @@ def _rows(comparison: Comparison, shown: Sequence[Column], note: str) -> str:
 
 
 def _artefact_rows(comparison: Comparison) -> str:
-    """Artefacts of each method, without the columns that no picture of this scene has."""
-    shown = [c for c in artefact_columns() if any(_has(row.artefacts.get(c.key)) for row in comparison.rows)]
-    body = [[row.name, *(_text(row.artefacts.get(c.key), c.decimals) for c in shown)] for row in comparison.rows]
-    return aligned(["method", *(column.heading for column in shown)], body, last_is_text=False)
+    """Artefacts of each method."""
+    headings, cells = artefact_texts(comparison.rows)
+    body = [[row.name, *values] for row, values in zip(comparison.rows, cells, strict=True)]
+    return aligned(["method", *headings], body, last_is_text=False)
+
+
+def artefact_texts(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+    """Headings, and the values of each row as text, without the columns that no picture of this scene has."""
+    shown = [c for c in artefact_columns() if any(_has(row.artefacts.get(c.key)) for row in rows)]
+    cells = [[_text(row.artefacts.get(c.key), c.decimals) for c in shown] for row in rows]
+    return [column.heading for column in shown], cells
 
 
 def texts(row: Row) -> dict[str, str]:

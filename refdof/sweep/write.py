@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from refdof.image.atomic import atomic_path, write_text
+from refdof.report.latex import escaped
 from refdof.report.page import rendered
 from refdof.report.rows import plain
 from refdof.report.write import distinct_names
@@ -100,11 +101,5 @@ def _latex(shots: dict[str, list[Measured]]) -> str:
         for k, point in enumerate(front(points)):
             numbers = [time_in_words(point.time_s), f"{point.scores['psnr']:.2f}", f"{point.scores['flip']:.3f}"]
             cells = [name if k == 0 else "", point.method, setting(point), *numbers]
-            lines.append(" & ".join(_escaped(cell) for cell in cells) + r" \\")
+            lines.append(" & ".join(escaped(cell) for cell in cells) + r" \\")
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
-
-
-def _escaped(text: str) -> str:
-    special = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-    special |= {letter: "\\" + letter for letter in "&%$#_{}"}
-    return "".join(special.get(letter, letter) for letter in text)

@@ -340,3 +340,20 @@ def test_bad_calls_are_named(tmp_path):
     given.rows[0].image.resize((10, 40, 3), refcheck=False)
     with pytest.raises(InputError, match="multiview: got shape"):
         write_comparison(given, tmp_path / "new")
+
+
+def test_the_page_tells_where_the_error_lies():
+    """Columns that no picture has are left out, and the worst method comes first as in the table of scores."""
+    given = comparison()
+    first, second = given.rows
+    rows = (
+        replace(first, artefacts={"leakage": 0.25, "lamps": math.nan}, scores={**SCORES, "psnr": 40.0}),
+        replace(second, artefacts={"leakage": 0.5}),
+    )
+    found = Page(page.report_page(replace(given, rows=rows)))
+    start = found.cells.index("0.50000")
+    assert found.cells[start - 1 : start + 3] == ["mipmap", "0.50000", "multiview", "0.25000"]
+    assert "Where the error lies" in page.report_page(replace(given, rows=rows))
+    without = tuple(replace(row, artefacts={}) for row in rows)
+    assert "Where the error lies" not in page.report_page(replace(given, rows=without))
+    assert "lamps" not in found.scripts["th"]
