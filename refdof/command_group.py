@@ -44,7 +44,7 @@ COMMANDS: dict[str, Home] = {
         "Blur a frame made elsewhere: a picture with its depth.",
     ),
     "score": Home("frame_cli", "add_frames", "Score pictures made elsewhere with all metrics."),
-    "sweep": Home("sweep_cli", "add_sweep", "Measure the trade of speed for accuracy: methods with many settings."),
+    "sweep": Home("sweep_cli", "add_sweep", "Measure methods with many settings: speed against accuracy."),
     "warm": Home(
         "main_cli",
         "add_main",

@@ -149,7 +149,7 @@ def sweep_command(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure the trade of speed for accuracy: methods with many settings.
+    """Measure methods with many settings: speed against accuracy.
 
     Points that were measured before are not measured again.
     """

@@ -64,7 +64,8 @@ def write_comparison(
 
     def drawings() -> None:  # one after the other: matplotlib's settings are global
         write_overview(comparison, target / "overview.png")
-        write_scatter(comparison, [target / "scores.png", target / "scores.svg"])
+        if comparison.reference is not None:
+            write_scatter(comparison, [target / "scores.png", target / "scores.svg"])
 
     # Those that take longest come first.
     jobs: list[Callable[[], Any]] = [
@@ -104,7 +105,8 @@ def write_comparisons(comparisons: Sequence[Comparison], folder: str | os.PathLi
 def _write_tables(comparisons: Sequence[Comparison], folder: Path, content: Any) -> None:
     write_text(folder / "table.md", markdown_table(comparisons))
     write_text(folder / "table.csv", csv_table(comparisons))
-    write_text(folder / "table.tex", latex_table(comparisons))
+    if any(comparison.reference is not None for comparison in comparisons):
+        write_text(folder / "table.tex", latex_table(comparisons))
     write_text(folder / "table.json", json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
 
 
