@@ -1,0 +1,39 @@
+"""Measures: what a claim can be held against, by name, and of which kind each is.
+
+=========  ===========================================================================================
+formula    numbers only: seconds, even without compiling
+picture    pictures and patterns: the same figure on every run
+time       seconds on this machine, as ratios
+=========  ===========================================================================================
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from refdof.claims.artefacts import ARTEFACTS
+from refdof.claims.filters import FILTER_TIMES, FILTERS
+from refdof.claims.formulas import FORMULAS
+from refdof.claims.occlusion import OCCLUSION
+from refdof.claims.pictures import PICTURES
+from refdof.claims.times import TIMES
+
+__all__ = ["KINDS", "MEASURES", "Measure"]
+
+KINDS = ("formula", "picture", "time")
+
+
+class Measure(NamedTuple):
+    """A function of a `Bench` and a claim's arguments, which gives a figure, and one of `KINDS`."""
+
+    function: Callable[..., Any]
+    kind: str
+
+
+MEASURES: dict[str, Measure] = {
+    **{name: Measure(function, "formula") for name, function in FORMULAS.items()},
+    **{
+        name: Measure(function, "picture")
+        for name, function in {**ARTEFACTS, **FILTERS, **OCCLUSION, **PICTURES}.items()
+    },
+    **{name: Measure(function, "time") for name, function in {**FILTER_TIMES, **TIMES}.items()},
+}
