@@ -12,6 +12,7 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from refdof.claims import claims, kind_of, markdown_page, row_of, scorecard
 from refdof.machine import processor
@@ -24,7 +25,9 @@ def main() -> None:
     parser.add_argument("--keep-times", action="store_true", help="do not measure times again")
     words = parser.parse_args()
     results = DOCS / "claims.json"
-    kept = json.loads(results.read_text()) if words.keep_times else {"processor": processor(), "figures": {}}
+    kept: dict[str, Any] = {"processor": processor(), "figures": {}}
+    if words.keep_times:
+        kept = json.loads(results.read_text())
     chosen = claims()
     timed = [claim for claim in chosen if kind_of(claim) == "time"] if words.keep_times else []
 

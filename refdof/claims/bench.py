@@ -8,7 +8,7 @@ to which the lens is opened or closed, and `samples` of the reference. A render 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from refdof.truth.reference import MAX_SAMPLES
 from refdof.view import View
 
 __all__ = ["AS_RUN", "Bench", "preset_of"]
+
+_T = TypeVar("_T")
 
 AS_RUN = {"multiview": "paper", "lensblur": "paper"}
 """The preset that stands for what a source ran, "best" for all others. The printed misprints of `cascaded` and the
@@ -46,12 +48,13 @@ class Bench:
         self._made: dict[str, Any] = {}
         self.tell = tell
 
-    def keep(self, what: Any, make: Callable[[], Any]) -> Any:
+    def keep(self, what: Any, make: Callable[[], _T]) -> _T:
         """What `make` made for `what`, plain values, the first time."""
         key = json.dumps(what, sort_keys=True)
         if key not in self._made:
             self._made[key] = make()
-        return self._made[key]
+        made: _T = self._made[key]
+        return made
 
     def view(self, shot: Mapping[str, Any]) -> View:
         """The view of a shot."""

@@ -17,23 +17,21 @@ from refdof.claims.occlusion import OCCLUSION
 from refdof.claims.pictures import PICTURES
 from refdof.claims.times import TIMES
 
-__all__ = ["KINDS", "MEASURES", "Measure"]
-
-KINDS = ("formula", "picture", "time")
+__all__ = ["MEASURES", "Measure"]
 
 
 class Measure(NamedTuple):
-    """A function of a `Bench` and a claim's arguments, which gives a figure, and one of `KINDS`."""
+    """A function of a `Bench` and a claim's arguments, which gives a figure, and its kind."""
 
     function: Callable[..., Any]
     kind: str
 
 
+_BY_KIND = {
+    "formula": FORMULAS,
+    "picture": {**ARTEFACTS, **FILTERS, **OCCLUSION, **PICTURES},
+    "time": {**FILTER_TIMES, **TIMES},
+}
 MEASURES: dict[str, Measure] = {
-    **{name: Measure(function, "formula") for name, function in FORMULAS.items()},
-    **{
-        name: Measure(function, "picture")
-        for name, function in {**ARTEFACTS, **FILTERS, **OCCLUSION, **PICTURES}.items()
-    },
-    **{name: Measure(function, "time") for name, function in {**FILTER_TIMES, **TIMES}.items()},
+    name: Measure(function, kind) for kind, functions in _BY_KIND.items() for name, function in functions.items()
 }

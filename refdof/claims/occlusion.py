@@ -49,12 +49,11 @@ def branches_apart(bench: Bench, size: str, renders: Sequence[Render]) -> float:
     view, truth = bench.keep(["branches apart", size], lambda: _black_branches(bench, size))
     middle = view.camera.width // 2
     columns = range(middle - view.camera.width // 4, middle - view.camera.width // 32)
-    right = {x: _gap(truth[:, x]) for x in columns}
-    wide = [x for x in columns if right[x] is not None and right[x] >= _WIDE_PX]
+    right = {x: gap for x in columns if (gap := _gap(truth[:, x])) is not None and gap >= _WIDE_PX}
     shares = []
     for render in renders:
         image = render_view(render["method"], view, preset=preset_of(render), **params_of(render)).image[..., 0]
-        gaps = [(right[x], _gap(image[:, x])) for x in wide]
+        gaps = [(true, _gap(image[:, x])) for x, true in right.items()]
         shares.append(np.mean([gap is not None and abs(gap - true) <= _ALIKE_PX for true, gap in gaps]))
     return float(max(shares))
 

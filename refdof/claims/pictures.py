@@ -125,7 +125,7 @@ def most_layers(bench: Bench, shots: Shots, extent: int = 2, occupied: float = 0
 
 
 def layers_saved(bench: Bench, shots: Shots, occupied: float) -> float:
-    """Layers of extended umbra peeling, all of them, over those of plain peeling that stops at a share of the pixels."""
+    """All layers of extended umbra peeling over those of plain peeling that stops at a share of the pixels."""
     plain, umbra = umbra_layers_of(bench, shots, 0, occupied), umbra_layers_of(bench, shots)
     return float(np.mean([umbra[name] / plain[name] for name in plain]))
 

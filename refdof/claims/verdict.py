@@ -8,6 +8,7 @@ reproduces the claim; if only the one that the claim is about has its place, at 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 __all__ = ["DIRECTION", "NOT_TESTABLE", "REFUTED", "REPRODUCED", "VERDICTS", "Figure", "Rule", "rounded", "verdict_of"]
 
@@ -53,7 +54,7 @@ def verdict_of(rule: Rule, figure: Figure) -> str:
         return NOT_TESTABLE
     if isinstance(figure, Mapping):
         values = [figure[name] for name in rule.order]
-        if all(first > second for first, second in zip(values, values[1:], strict=False)):
+        if all(first > second for first, second in pairwise(values)):
             return REPRODUCED
         best = max if rule.main == rule.order[0] else min
         others = [value for name, value in figure.items() if name != rule.main]
@@ -75,11 +76,9 @@ def rounded(figure: Figure, digits: int) -> Figure:
 
 
 def _range_in_words(limits: tuple[float, float]) -> str:
-    least, greatest = limits
-    if math.isinf(least):
-        return f"up to {greatest:g}"
-    return (
-        f"from {least:g}" + ("" if math.isinf(greatest) else f" to {greatest:g}")
-        if least != greatest
-        else f"at {least:g}"
-    )
+    least, greatest = (f"{limit:.12g}" for limit in limits)
+    if least == greatest:
+        return f"at {least}"
+    if math.isinf(limits[0]):
+        return f"up to {greatest}"
+    return f"from {least}" + ("" if math.isinf(limits[1]) else f" to {greatest}")
