@@ -737,7 +737,8 @@ DOORS |= {
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "claims", "claims_cli", "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
+    "claims", "claims_cli",
+    "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
     "focus.aperture_spline", "focus.fading", "focus.focus_file", "focus.keys", "focus.moving_least_squares",
