@@ -93,10 +93,8 @@ class Bench:
         return self.keep(["result", dict(shot), dict(render), stages], make)
 
     def image(self, shot: Mapping[str, Any], render: Mapping[str, Any]) -> Float:
-        """A render's picture; of method "pinhole" what the pinhole sees, of "reference" the truth."""
-        if render["method"] == "pinhole":
-            return self.view(shot).pinhole().color
-        return self.truth(shot) if render["method"] == "reference" else self.result(shot, render).image
+        """A render's picture; of method "pinhole" what the pinhole sees."""
+        return self.view(shot).pinhole().color if render["method"] == "pinhole" else self.result(shot, render).image
 
     def score(self, shot: Mapping[str, Any], render: Mapping[str, Any], metric: str = "psnr") -> float:
         """A score of `refdof.metrics.METRICS` of a render against the reference."""

@@ -15,7 +15,7 @@ from refdof.methods.cascaded import buffers_of, layering_of
 from refdof.methods.lensblur.method import prepare as prepare_lensblur
 from refdof.methods.multiview import method as multiview
 from refdof.metrics import METRICS
-from refdof.rendering import make_params
+from refdof.rendering import make_params, render_view
 from refdof.stages import StageRecorder
 
 __all__ = ["PICTURES"]
@@ -141,7 +141,8 @@ def spaced_layers(bench: Bench, shots: Shots, spacing_px: float, most: int) -> f
     counts = []
     for shot in shots:
         render = {"method": "multiview", "samples": 1, "spacing_px": spacing_px, "cones": "none"}
-        counts.append(len(bench.result(shot, render, stages=True).stages["bounds"]) - 1)
+        drawn = render_view("multiview", bench.view(shot), True, preset_of(render), **params_of(render))
+        counts.append(len(drawn.stages["bounds"]) - 1)
     return float(np.mean([count <= most for count in counts]))
 
 

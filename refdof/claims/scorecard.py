@@ -8,6 +8,7 @@ from refdof.claims.bench import Bench
 from refdof.claims.measures import MEASURES
 from refdof.claims.statement import Claim
 from refdof.claims.verdict import Figure, rounded, verdict_of
+from refdof.report.rows import plain
 
 __all__ = ["Row", "kind_of", "row_of", "scorecard"]
 
@@ -51,7 +52,7 @@ class Row:
             "setting": claim.setting,
             "rule": claim.rule.in_words(),
             "tolerance": claim.tolerance,
-            "ours": dict(self.figure) if isinstance(self.figure, Mapping) else self.figure,
+            "ours": plain(self.figure),
             "unit": claim.unit,
             "verdict": self.verdict,
             "why": self.why,

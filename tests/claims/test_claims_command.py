@@ -18,10 +18,14 @@ def claims(*words):
     return done.stdout
 
 
+def in_a_line(text):
+    return " ".join(text.split())
+
+
 def test_some_claims_in_words():
     text = claims("--only", "mipmap-kraus-reads,lensblur-ten-layers")
     assert "REFUTED  lensblur-ten-layers  (Section 3.1, layer construction)" in text
-    assert "Printed: 173.02. Ours: 172.75 reads per pixel." in text
+    assert "Printed: 173.02. Ours: 172.75 reads per pixel." in in_a_line(text)
     assert SOURCES["lee2010"] in text
     assert SOURCES["schedl2012"] not in text
     assert text.splitlines()[-1].split() == ["all", "0", "0", "2", "0", "2"]
@@ -45,7 +49,7 @@ def test_some_claims_as_json():
 def test_what_no_cpu_tells_says_why():
     text = claims("--only", "mipmap-frames")
     assert "NOT TESTABLE ON A CPU  mipmap-frames" in text
-    assert "GeForce 8800 GTX" in text
+    assert "GeForce 8800 GTX" in in_a_line(text)
 
 
 @pytest.mark.parametrize(

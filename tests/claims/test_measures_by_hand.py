@@ -190,8 +190,3 @@ def test_n_buffers():
     assert 0.3 < filters.n_buffer_exact(None, False, 200) < 0.9
     # Levels of 64 px: 1 + 6, and of 32 blocks: 1 + 5.
     assert filters.n_buffer_memory(None, 64, 40) == pytest.approx(4.0 * 7 / 6)
-
-
-def test_white_stays_white_and_discs_keep_light():
-    assert artefacts.white_furnace(None, of("scatter")) < 1e-6
-    assert artefacts.shares_of_discs(None) == pytest.approx(1.0, abs=1e-9)
