@@ -1,7 +1,7 @@
 """Make docs/claims.md anew, with docs/claims.json, the figures that it rests on.
 
 1. measure every claim, or with --keep-times all but those of times      `refdof.claims.scorecard`
-2. write the figures as they are shown, and the processor of the times   docs/claims.json
+2. write the figures as they are shown, and the machine of the times     docs/claims.json
 3. write the page                                                       `refdof.claims.page`
 
 Run it on a machine that does nothing else, from the root of the repository: ``python benchmarks/claims.py``.
@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from refdof._jit import thread_count
 from refdof.claims import claims, kind_of, markdown_page, row_of, scorecard
 from refdof.machine import processor
 
@@ -25,7 +26,7 @@ def main() -> None:
     parser.add_argument("--keep-times", action="store_true", help="do not measure times again")
     words = parser.parse_args()
     results = DOCS / "claims.json"
-    kept: dict[str, Any] = {"processor": processor(), "figures": {}}
+    kept: dict[str, Any] = {"machine": f"{processor()}, {thread_count()} threads", "figures": {}}
     if words.keep_times:
         kept = json.loads(results.read_text())
     chosen = claims()
@@ -42,8 +43,8 @@ def main() -> None:
         for row in rows
         if row.figure is not None
     }
-    results.write_text(json.dumps({"processor": kept["processor"], "figures": figures}, indent=1) + "\n")
-    (DOCS / "claims.md").write_text(markdown_page(rows, kept["processor"]), encoding="utf-8")
+    results.write_text(json.dumps({"machine": kept["machine"], "figures": figures}, indent=1) + "\n")
+    (DOCS / "claims.md").write_text(markdown_page(rows, kept["machine"]), encoding="utf-8")
     print(f"\n{sum(row.verdict == 'refuted' for row in rows)} of {len(rows)} refuted", file=sys.stderr)
 
 

@@ -6,7 +6,7 @@ to which the lens is opened or closed, and `samples` of the reference. A render 
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -28,7 +28,7 @@ AS_RUN = {"multiview": "paper", "lensblur": "paper"}
 """The preset that stands for what a source ran, "best" for all others. The printed misprints of `cascaded` and the
 geometric blend of `mipmap` were not run: figure 4 of the one and section 6 of the other say so."""
 _SAMPLES = 256  # of a reference
-_ROUNDS = 3  # of timed runs, of up to three runs each
+_ROUNDS = 5  # of runs in turn, each of up to three
 
 
 def preset_of(render: Mapping[str, Any]) -> str:
@@ -104,17 +104,21 @@ class Bench:
 
         return self.keep(["score", dict(shot), dict(render), metric], make)
 
-    def seconds(self, shot: Mapping[str, Any], render: Mapping[str, Any], part: str = "blur") -> float:
-        """Seconds of a warm render, the median: of the method itself, or with `part` "total" also of its layers."""
+    def seconds(self, renders: Sequence[tuple[Mapping[str, Any], Mapping[str, Any]]], part: str = "blur") -> Float:
+        """Seconds of warm renders of shots, in turn, so that what else the machine does slows all of them: (rounds, N).
 
-        def measure() -> tuple[float, float]:
-            self.tell(f"time of {render['method']} on {shot['scene']}")
-            method, preset, params, view = render["method"], preset_of(render), params_of(render), self.view(shot)
-            warm_up(method, params, preset)
-            spent = [second for _ in range(_ROUNDS) for second in timed(method, view, preset, params)[1]]
-            with view.booking() as book:
-                render_view(method, view, preset=preset, **params)
-            return float(np.median(spent)), book.layers
-
-        blur, layers = self.keep(["seconds", dict(shot), dict(render)], measure)
-        return blur + layers if part == "total" else blur
+        Of the method itself, or with `part` "total" also of its layers, made anew in each round.
+        """
+        rounds = np.empty((_ROUNDS, len(renders)))
+        for _, render in renders:
+            warm_up(render["method"], params_of(render), preset_of(render))
+        for k in range(_ROUNDS):
+            for n, (shot, render) in enumerate(renders):
+                self.tell(f"time of {render['method']} on {shot['scene']}")
+                view = self.view(shot)
+                if part == "total":
+                    view.forget_layers()
+                with view.booking() as book:
+                    _, spent = timed(render["method"], view, preset_of(render), params_of(render))
+                rounds[k, n] = np.median(spent) + (book.layers if part == "total" else 0.0)
+        return rounds

@@ -31,8 +31,9 @@ Methods run with the parameters of their papers. What was misprinted there, and 
 right: see `AS_RUN` in `refdof/claims/bench.py`. `pyramidal`, `poisson`, `separable` and `scatter` are reconstructions,
 so that a verdict on them does not speak for the originals. Scenes are our own, made after the papers' figures.
 
-Times are compared as ratios only. They are the medians of warm runs on {processor}, two threads, and are recorded:
-the tests check that each of these verdicts follows from its recorded figure, and measure all other figures anew.
+Times are compared as ratios only: medians of warm runs that are made in turn, so that what else a machine does slows
+both. They are recorded, on {machine}; the tests check that each of these verdicts follows from its recorded figure, and
+measure all other figures anew.
 """
 
 
@@ -75,11 +76,11 @@ def terminal_text(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def markdown_page(rows: Sequence[Row], processor: str) -> str:
-    """The page: counts, what was learned, and a table for each source. Ends with a line feed."""
+def markdown_page(rows: Sequence[Row], machine: str) -> str:
+    """The page: counts, what was learned, a table for each source; times are of `machine`. Ends with a line feed."""
     head, *body = summary_rows(rows)
     summary = _table(head, body, "-" + "r" * len(VERDICTS) + "r")
-    parts = [_INTRO.format(count=len(rows), summary=summary, processor=processor), _learned(rows)]
+    parts = [_INTRO.format(count=len(rows), summary=summary, machine=machine), _learned(rows)]
     for source, title in SOURCES.items():
         mine = [row for row in rows if row.claim.source == source]
         if mine:
@@ -98,14 +99,13 @@ def _learned(rows: Sequence[Row]) -> str:
         "## What was learned",
         "",
         f"Of {tested} claims that a CPU can test, {len(refuted)} are refuted: {counts['formula']} by arithmetic alone, "
-        f"{counts['picture']} by pictures, {counts['time']} by times on this processor, which need not be a GPU's.",
+        f"{counts['picture']} by pictures, {counts['time']} by times on a CPU, which need not be those of a GPU.",
         "",
     ]
-    for row in refuted:
-        claim = row.claim
+    for row in sorted(refuted, key=lambda row: ("formula", "picture", "time").index(kind_of(row.claim))):
+        claim, authors = row.claim, SOURCES[row.claim.source].rsplit(",", 1)[0]
         lines.append(
-            f"- {SOURCES[claim.source].split(',')[0]}, {_lower(claim.place)}: *{claim.says}* Printed: {claim.printed}; "
-            f"ours: {row.ours}. {row.why}"
+            f"- {authors}, {claim.place}: *{claim.says}* Printed: {claim.printed}; ours: {row.ours}. {row.why}"
         )
     return "\n".join(lines) + "\n"
 
@@ -123,10 +123,6 @@ def _cells(row: Row) -> list[str]:
 
 def _with_setting(row: Row, between: str = "; ") -> str:
     return between.join(filter(None, (row.ours, row.claim.setting)))
-
-
-def _lower(place: str) -> str:
-    return place if place[1:2].isupper() else place[0].lower() + place[1:]
 
 
 def _table(head: Sequence[str], body: Sequence[Sequence[str]], sides: str = "") -> str:

@@ -90,7 +90,7 @@ class Claim:
 
     def sentence(self, verdict: str) -> str:
         """Why the verdict is what it is."""
-        return self.why.get(verdict, f"Measured anew: the rule is {self.rule.in_words()}.")
+        return self.why.get(verdict, f"The rule: {self.rule.in_words()}.")
 
 
 def claims() -> tuple[Claim, ...]:

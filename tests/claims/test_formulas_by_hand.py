@@ -105,5 +105,6 @@ def test_discs():
 
 def test_thin_lenses():
     for measure in (formulas.thin_lens, formulas.listing_circle, formulas.printed_inverse):
-        assert measure(BENCH) < 1e-12
+        assert measure(BENCH) == 0.0
+    assert formulas._beyond_rounding(2e-12) == 2e-12
     assert formulas.circle_bound(BENCH) == pytest.approx(1.0 - 1e-9, abs=1e-14)  # 1 - focus / depth

@@ -30,8 +30,8 @@ class Told:
     def result(self, shot, render, stages):
         return NamedTuple("Result", [("stages", dict)])({"steps": np.array([[self.steps[render["method"]]]])})
 
-    def seconds(self, shot, render, part="blur"):
-        return self.spent[render["method"]]
+    def seconds(self, renders, part="blur"):
+        return np.array([[self.spent[render["method"]] * load for _, render in renders] for load in (1.0, 7.0, 2.0)])
 
     def view(self, shot):
         coc = self.coc
@@ -68,8 +68,8 @@ def test_times():
     assert times.time_order(bench, SHOTS[0], {"x": of("a"), "y": of("b")}) == {"x": 4.0, "y": 1.0}
 
     class Growing:
-        def seconds(self, shot, render, part="blur"):
-            return 3.0 * render["samples"] ** 0.75
+        def seconds(self, renders, part="blur"):
+            return np.array([[3.0 * render["samples"] ** 0.75 for _, render in renders]])
 
     assert times.time_power(Growing(), SHOTS[0], of("a"), "samples", (16, 81)) == pytest.approx(0.75, rel=1e-12)
 
@@ -160,6 +160,19 @@ def test_a_room_is_closed(seed):
     view = room_view(seed, (24, 18), 0.02)
     assert view.pinhole().color.max() <= 1.0
     assert (view.layers().triangle >= 0).any(axis=0).all()
+
+
+def test_renders_in_turn_are_timed_without_the_scene():
+    bench = Bench()
+    shot = {"scene": "branches", "size": "24x18"}
+    renders = [(shot, of("cascaded")), (shot, of("scatter"))]
+    alone, total = bench.seconds(renders), bench.seconds(renders, "total")
+    assert alone.shape == total.shape == (5, 2)
+    assert (alone > 0.0).all()
+    assert (total[:, 0] > alone[:, 0].min()).all()  # with four peeled layers
+    with bench.view(shot).booking() as book:
+        bench.view(shot).pinhole()
+    assert book.layers == 0.0
 
 
 def test_presets_and_fields_of_renders():

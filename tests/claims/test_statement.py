@@ -90,7 +90,7 @@ def test_a_good_claim():
     (claim,) = claims_of(GOOD)
     assert claim.rule.within == (3.0, 5.0)
     assert claim.sentence("reproduced") == "It is."
-    assert claim.sentence("refuted") == "Measured anew: the rule is reproduced from 3 to 5."
+    assert claim.sentence("refuted") == "The rule: reproduced from 3 to 5."
 
 
 @pytest.mark.parametrize(
