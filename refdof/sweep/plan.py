@@ -11,6 +11,7 @@ from itertools import product
 from typing import Any
 
 from refdof._check import Float, InputError, as_choice
+from refdof._store import fingerprint
 from refdof.methods import METHODS
 from refdof.optics.lens import ThinLens
 from refdof.options import setting_of
@@ -131,20 +132,20 @@ def jobs_of(methods: Sequence[str], axes: Sequence[Axis], fixed: Mapping[str, Ma
         for axis in own:
             if axis.name in fixed.get(method, {}):
                 raise InputError(f"set: got {method}.{axis.name}, which --vary names; allowed is one of both")
+        count = math.prod(len(axis.values) for axis in own)
+        if len(jobs) + count > _MOST_JOBS:
+            raise InputError(f"vary: got {len(jobs) + count} combinations; allowed are at most {_MOST_JOBS}")
         jobs += _combinations(method, own, fixed.get(method, {}))
-        if len(jobs) > _MOST_JOBS:
-            raise InputError(f"vary: got more than {_MOST_JOBS} combinations; allowed are fewer")
     return jobs
 
 
 def _combinations(method: str, axes: Sequence[Axis], fixed: Mapping[str, Any]) -> list[Job]:
-    found: list[Job] = []
+    found: dict[str, Job] = {}
     for values in product(*(axis.values for axis in axes)):
         settings = {**fixed, **{axis.name: value for axis, value in zip(axes, values, strict=True)}}
         params = make_params(method, settings)
-        if all(params != job.params for job in found):
-            found.append(Job(method, settings, tuple(axis.name for axis in axes), params))
-    return found
+        found.setdefault(fingerprint(params), Job(method, settings, tuple(axis.name for axis in axes), params))
+    return list(found.values())
 
 
 def shots_of(view: View, axes: Sequence[Axis]) -> list[Shot]:
