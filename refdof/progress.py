@@ -14,7 +14,8 @@ from typing import Any
 __all__ = ["overall", "progress_line", "say_at_once"]
 
 _CLEAR = "\r\x1b[2K"  # go to the line's start and empty it
-_GROUPS = ("compiling", "reference", "methods", "scores")  # what a comparison does, one after the other
+# What a comparison does, one after the other; a name that is not here is a method's.
+_GROUPS = ("compiling", "reference", "methods", "scores", "artefacts", "kernels", "lens chart")
 
 
 @contextmanager
@@ -65,7 +66,7 @@ def overall(
     where = f"{scene} ({number + 1} of {count})" if count > 1 else scene
 
     def tell_share(what: str, done: int, all_of_it: int) -> None:
-        group = _GROUPS.index(what if what in _GROUPS else "methods" if what != "lens chart" else "scores")
+        group = _GROUPS.index(what if what in _GROUPS else "methods")
         share = (group + done / max(all_of_it, 1)) / len(_GROUPS)
         tell(f"{where}: {what}", round(1000 * (number + share)), 1000 * count)
 

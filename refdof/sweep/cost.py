@@ -22,7 +22,7 @@ __all__ = ["CostModel", "fitted"]
 
 _LEAST_TIME = 1e-6  # s; a clock shows no less
 _STEEPEST = 4.0  # of exponents
-_MOST_LEFT_OUT = 40  # points that are left out one at a time; of more points every n-th
+_MOST_LEFT_OUT = 20  # points that are left out one at a time; of more points every n-th
 _LEAST_SHARE = 0.01  # of the time, for c to be told
 
 

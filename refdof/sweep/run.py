@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import refdof
 from refdof._jit import JIT_DISABLED, source_digest, thread_count
@@ -71,6 +71,7 @@ def sweep(
         If a picture is too small for scores, or results cannot be written. Points measured before are kept.
     """
     known, keys, prints = results.keys(), [], ("", "")
+    build = _build(cluster)
     left = TimeLeft(["reference", *(job.method for job in jobs)] * count)
 
     def tell(what: str, done: float = 0.0) -> None:
@@ -86,7 +87,8 @@ def sweep(
         if prints[0] != str(id(scene)):
             prints = str(id(scene)), fingerprint(scene)
         about = prints[1], shot.view.camera, shot.view.lens, tuple(choice)
-        tasks = [Task(job, _key(about, job, cluster), command(shot, job)) for job in jobs]
+        shared = fingerprint((build, about))
+        tasks = [Task(job, fingerprint((shared, job.method, job.params)), command(shot, job)) for job in jobs]
         keys += [task.key for task in tasks]
         todo = [task for task in tasks if task.key not in known]
         if todo:
@@ -113,7 +115,8 @@ def sweep(
     return keys
 
 
-def _key(about: Any, job: Job, cluster: Cluster | None) -> str:
+def _build(cluster: Cluster | None) -> str:
+    """A digest of the code and of the machine that times are of."""
     code = source_digest(), version("embreex"), JIT_DISABLED, refdof.__version__
     where = (processor(), thread_count()) if cluster is None else ("a worker of a cluster", 0)
-    return fingerprint((code, where, about, job.method, job.params))
+    return fingerprint((code, where))
