@@ -71,11 +71,13 @@ def test_shares_grow_over_steps_and_scenes():
             ("scatter", 0, 2),
             ("mipmap", 1, 2),
             ("scores", 1, 2),
+            ("artefacts", 1, 2),
+            ("kernels", 0, 2),
             ("lens chart", 0, 1),
         ):
             tell(what, done, count)
     assert told[0] == ("a (1 of 2): compiling", 0, 2000)
-    assert told[1] == ("a (1 of 2): reference", 375, 2000)
-    assert told[4] == ("a (1 of 2): mipmap", 625, 2000)
-    assert told[7] == ("b (2 of 2): compiling", 1000, 2000)
+    assert told[1] == ("a (1 of 2): reference", 214, 2000)  # 1.5 of 7 parts
+    assert told[4] == ("a (1 of 2): mipmap", 357, 2000)
+    assert told[9] == ("b (2 of 2): compiling", 1000, 2000)
     assert told[12] == ("b (2 of 2): scores", 1875, 2000)
