@@ -80,4 +80,4 @@ def test_shares_grow_over_steps_and_scenes():
     assert told[1] == ("a (1 of 2): reference", 214, 2000)  # 1.5 of 7 parts
     assert told[4] == ("a (1 of 2): mipmap", 357, 2000)
     assert told[9] == ("b (2 of 2): compiling", 1000, 2000)
-    assert told[12] == ("b (2 of 2): scores", 1875, 2000)
+    assert told[14] == ("b (2 of 2): scores", 1500, 2000)
