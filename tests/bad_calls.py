@@ -742,7 +742,7 @@ INNER_MODULES = {
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
     "focus.aperture_spline", "focus.fading", "focus.focus_file", "focus.keys", "focus.moving_least_squares",
-    "focus_cli", "frame_cli", "machine", "sweep", "sweep_cli", "compare_cli", "claims", "claims_cli", "listing_cli", "main_cli", "lens_cli",
+    "focus_cli", "frame_cli", "machine", "sweep", "sweep_cli", "compare_cli", "listing_cli", "main_cli", "lens_cli",
     "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "image.channel_choice", "image.exr", "image.radiance",
@@ -939,9 +939,18 @@ def public_names() -> dict[str, Any]:
         short = info.name.removeprefix("refdof.")
         if any(part.startswith("_") for part in info.name.split(".")) or short in INNER_MODULES:
             continue
-        if short.startswith(
-            ("scene.builtin.", "scene.formats.", "scene.gltf.", "scene.kit.", "claims.", "report.", "sweep.", "oracle.", "data")
-        ):
+        rooms = (
+            "scene.builtin",
+            "scene.formats",
+            "scene.gltf",
+            "scene.kit",
+            "claims",
+            "report",
+            "sweep",
+            "oracle",
+            "data",
+        )
+        if short == "data" or short.startswith(tuple(f"{room}." for room in rooms)):
             continue
         module = importlib.import_module(info.name)
         for name in getattr(module, "__all__", ()):
