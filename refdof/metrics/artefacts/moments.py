@@ -13,11 +13,16 @@ __all__ = ["Moments", "disc_radius", "moments"]
 class Moments(NamedTuple):
     """Moments of a spot of light.
 
+    Attributes
+    ----------
     energy : sum over pixels and channels
-    x, y : centroid [px]; pixel (0, 0) has its centre at (0.5, 0.5), y down
-    radius : RMS distance from the centroid [px]; a disc of radius r has r / sqrt(2), a Gaussian sqrt(2) deviations
-    anisotropy : (a - b) / (a + b) of the variances along the principal axes, 0 .. 1: 0 is round, 1 a line; an ellipse
-        of half axes p and q has (p^2 - q^2) / (p^2 + q^2)
+    x, y : centroid [px]
+        Pixel (0, 0) has its centre at (0.5, 0.5), y down.
+    radius : RMS distance from the centroid [px]
+        A disc of radius r has r / sqrt(2), a Gaussian sqrt(2) deviations.
+    anisotropy : 0 .. 1
+        (a - b) / (a + b) of the variances along the principal axes: 0 is round, 1 a line; an ellipse of half axes p and
+        q has (p^2 - q^2) / (p^2 + q^2).
     """
 
     energy: float
