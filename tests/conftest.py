@@ -1,9 +1,19 @@
-"""How the suite runs: hypothesis profiles."""
+"""How the suite runs: hypothesis profiles, and a browser."""
 
 import os
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("default", deadline=None, max_examples=50)
 settings.register_profile("ci", deadline=None, max_examples=100, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium. It ends with the file of tests: Playwright's event loop would be in the way of others."""
+    from tests.headless import launched  # Playwright is slow to import
+
+    with launched() as opened:
+        yield opened

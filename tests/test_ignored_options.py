@@ -107,6 +107,7 @@ HEEDED = {
     "no-file-camera focus-points seed tolerance scheduler workers threads json",
     "filter": "color depth depth-kind near far coc reference methods out crop set preset threads json",
     "score": "variance threads json",
+    "claims": "source only threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",

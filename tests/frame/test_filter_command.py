@@ -141,7 +141,7 @@ def test_table_report_and_overview_without_a_reference(exported, tmp_path):
     pictures = {f"{name}.{kind}" for name in ("pinhole", "scatter", "mipmap") for kind in ("png", "npy")}
     assert names == {*pictures, "table.md", "table.csv", "table.json", "overview.png", "report.html"}
     page = (tmp_path / "out" / "report.html").read_text()
-    assert named_images(page) == ["pinhole", "scatter", "mipmap"]
+    assert named_images(page) == ["pinhole", "scatter", "mipmap", "depth", "circle of confusion"]
     assert "r reference" not in page
     table = json.loads((tmp_path / "out" / "table.json").read_text())
     assert table["reference"] is None

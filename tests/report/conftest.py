@@ -1,15 +1,8 @@
-"""Fixtures: a browser, and pages of reports in it that have no fault and fetch nothing."""
+"""Fixtures: pages of reports in it that have no fault and fetch nothing."""
 
 import pytest
 
-from tests.headless import launched
 from tests.report.browser import Viewer
-
-
-@pytest.fixture(scope="session")
-def browser():
-    with launched() as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import refdof
-from tests.headless import launched
 from tests.studio.browser import HOSTILE, SIZE, Studio, served, write_cards
 from tests.studio.page import Page
 
@@ -18,12 +17,6 @@ def page(tmp_path):
     yield page
     page.desk.close()
     assert page.errors == []
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launched() as opened:
-        yield opened
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import pytest
 
 from refdof.sweep import Results, fitted
 from refdof.sweep.write import write_report
-from tests.headless import launched
 from tests.sweep.points import point
 from tests.sweep.test_cost import swept
 
@@ -26,12 +25,6 @@ def folder(tmp_path_factory):
         law = fitted(swept(lambda n, q, _r, _k: 1e-8 * n * q))
         write_report(POINTS, [law], results, made, "refdof sweep fence town")
     return made
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with launched() as opened:
-        yield opened
 
 
 @pytest.fixture
