@@ -7,7 +7,6 @@ of the repository, after `make peers`: ``make bench``, or ``python benchmarks/be
 import argparse
 import json
 import os
-import platform
 import subprocess
 import sys
 import time
@@ -17,6 +16,8 @@ from typing import NamedTuple
 from lensblur import SECONDS as LENSBLUR_S
 from memory import LIMIT_MIB
 from multiview import TARGET_S as MULTIVIEW_S
+
+from refdof.machine import processor
 
 HERE = Path(__file__).parent
 
@@ -155,23 +156,12 @@ def main():
             failed.append(f"{name} ended with {code}: see {words.out / f'{name}.txt'}")
         else:
             lines += lines_of(json.loads(target.read_text()))
-    machine = processor()
+    machine = f"{processor()}, {os.cpu_count()} processors"
     print(f"{machine}\n\n{table(lines)}")
     result = {"machine": machine, "lines": [line._asdict() for line in lines]}
     (words.out / "bench.json").write_text(json.dumps(result, indent=1) + "\n")
     if failed:
         raise SystemExit("\n".join(failed))
-
-
-def processor():
-    """The processor in words, and the widest vectors it has."""
-    name, flags, path = platform.processor() or platform.machine(), "", Path("/proc/cpuinfo")
-    if path.exists():
-        facts = dict(line.split(":", 1) for line in path.read_text().splitlines() if ":" in line)
-        facts = {key.strip(): value.strip() for key, value in facts.items()}
-        name, flags = facts.get("model name", name), facts.get("flags", "")
-    vectors = next((word for word in ("avx512f", "avx2", "sse4_2") if word in flags.split()), "vectors unknown")
-    return f"{name}, {os.cpu_count()} processors, {vectors}"
 
 
 def table(lines):

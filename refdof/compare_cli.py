@@ -53,13 +53,13 @@ from refdof.options import (
     sample_counts,
     say_rounded,
     set_threads,
-    settings_by_method,
 )
 from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.scene.builtin import SCENES
+from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import samples_taken

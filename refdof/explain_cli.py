@@ -36,11 +36,11 @@ from refdof.options import (
     pixel_of,
     refuse_ignored,
     set_threads,
-    settings_of,
 )
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
+from refdof.settings import settings_of
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 

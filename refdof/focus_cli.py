@@ -33,10 +33,10 @@ from refdof.options import (
     Up,
     pixel_of,
     set_threads,
-    settings_of,
 )
 from refdof.progress import progress_line
 from refdof.rendering import make_params, render_view
+from refdof.settings import settings_of
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 

@@ -28,12 +28,12 @@ from refdof.options import (
     metres_of,
     refuse_ignored,
     set_threads,
-    settings_by_method,
 )
 from refdof.progress import overall, progress_line
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.score import score_images
+from refdof.settings import settings_by_method
 
 __all__ = ["add_frames"]
 

@@ -45,13 +45,12 @@ from refdof.options import (
     refuse_ignored,
     say_rounded,
     set_threads,
-    settings_by_method,
-    settings_of,
     stages_of,
 )
 from refdof.progress import progress_line
 from refdof.rendering import PRESETS, make_params, render_view
 from refdof.scene.builtin import SCENES
+from refdof.settings import settings_by_method, settings_of
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, photographic_facts, scene_camera_lens
 from refdof.truth.tile_sampler import power_of_two
 from refdof.view import View

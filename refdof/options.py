@@ -10,7 +10,6 @@ import typer
 from refdof._check import InputError, as_integer, as_number
 from refdof._jit import use_threads
 from refdof.methods import METHODS
-from refdof.rendering import make_params
 from refdof.scene.material import SHADINGS
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
@@ -57,9 +56,6 @@ __all__ = [
     "sample_counts",
     "say_rounded",
     "set_threads",
-    "setting_of",
-    "settings_by_method",
-    "settings_of",
     "stages_of",
 ]
 
@@ -290,42 +286,3 @@ def set_threads(threads: int | None) -> None:
     """Use so many threads; None: as many as there are."""
     if threads is not None:
         use_threads(as_integer("threads", threads, minimum=1))
-
-
-def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
-    """'key=value' lines, and options of the same meaning where they are given, as {key: value}."""
-    values: dict[str, Any] = {}
-    pairs = [setting_of(text) for text in texts]
-    for key, value in [*pairs, *((name, value) for name, value in options.items() if value is not None)]:
-        if key in values:
-            raise InputError(f"{key}: got {values[key]!r} and {value!r}; allowed is one value")
-        values[key] = value
-    return values
-
-
-def setting_of(text: str) -> tuple[str, Any]:
-    """'key=value' as a name and a number, a truth value or a word."""
-    key, equals, value = text.partition("=")
-    if not equals or not key:
-        raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
-    for parse in (int, float, {"true": True, "false": False, "None": None}.__getitem__):
-        try:
-            return key, parse(value)
-        except (ValueError, KeyError):
-            continue
-    return key, value
-
-
-def settings_by_method(texts: list[str], methods: list[str], presets: list[str]) -> dict[str, dict[str, Any]]:
-    """'method.key=value' lines as {method: {key: value}}."""
-    params: dict[str, dict[str, Any]] = {name: {} for name in methods}
-    for key, value in settings_of(texts).items():
-        method, dot, field = key.partition(".")
-        if not dot or method not in params:
-            known = f", METHOD one of {', '.join(methods)}"
-            raise InputError(f"set: got '{key}={value}'; allowed is METHOD.KEY=VALUE{known}")
-        params[method][field] = value
-    for method, values in params.items():
-        for preset in presets:
-            make_params(method, values, preset)
-    return params

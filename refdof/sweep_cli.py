@@ -53,11 +53,11 @@ from refdof.options import (
     refuse_ignored,
     sample_counts,
     set_threads,
-    settings_by_method,
 )
 from refdof.progress import progress_line
 from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES
+from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens, size_of
 from refdof.sweep.cost import CostModel, fitted
 from refdof.sweep.front import front

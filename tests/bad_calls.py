@@ -746,7 +746,7 @@ INNER_MODULES = {
     "optics.systems.data_sheet", "optics.systems.field", "optics.systems.height_field",
     "optics.systems.lens_toml", "optics.systems.pbrt_file", "optics.systems.rows", "optics.systems.zemax_file",
     "image.arrays", "image.atomic", "image.channel_choice", "image.exr", "image.radiance",
-    "export", "options", "shot", "progress", "warm", "oracle", "oracle_cli",
+    "export", "options", "settings", "shot", "progress", "warm", "oracle", "oracle_cli",
     "scene.builtin", "scene.beside", "scene.formats", "launch",
     "raster.materials.cutouts", "raster.materials.texel", "raster.rays.ray_filters",
     "frame.samples", "score",

@@ -14,8 +14,8 @@ from refdof._check import Float, InputError, as_choice
 from refdof._store import fingerprint
 from refdof.methods import METHODS
 from refdof.optics.lens import ThinLens
-from refdof.options import setting_of
 from refdof.rendering import make_params
+from refdof.settings import setting_of
 from refdof.shot import size_of
 from refdof.view import View
 

@@ -83,7 +83,9 @@ def renders(value):
 def test_renders_have_parameters_that_exist(claim):
     for render in renders(dict(claim.arguments)):
         if render["method"] != "pinhole":
-            make_params(render["method"], {k: v for k, v in render.items() if k not in ("method", "preset")})
+            given = {k: v for k, v in render.items() if k not in ("method", "preset")}
+            made = make_params(render["method"], given)
+            assert set(given) <= set(vars(made))
 
 
 def test_a_good_claim():
