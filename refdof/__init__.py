@@ -10,8 +10,8 @@ Conventions, everywhere:
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # typing takes as long to import as all else that the program does before it hears Ctrl-C
 if TYPE_CHECKING:
     from refdof import cluster, metrics
     from refdof._check import InputError
@@ -111,7 +111,7 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name in ("cluster", "methods", "metrics"):
         return import_module(f"refdof.{name}")
     if name not in _HOMES:

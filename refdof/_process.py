@@ -5,7 +5,7 @@ that was started does nothing but wait (on Linux; elsewhere there is one process
 
 1. fork before anything slow is imported                                           `work_in_child`
 2. a Ctrl-C reaches the child as well; it has most of a second to end by itself
-3. then it is killed, and the files and folders that it had not finished are removed   `unfinished`
+3. then it is killed with all processes below it, and what it had not finished is removed   `unfinished`
 
 A child whose parent is gone is killed, too.
 """
@@ -29,6 +29,7 @@ _PATIENCE = 0.7  # seconds
 _ROOM = 1 << 16  # bytes of names; what does not fit is not removed
 _SAID = b"!"  # the memory's last byte
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+_ADOPT = 36  # PR_SET_CHILD_SUBREAPER: orphans below this process become its children
 _BY_THE_TERMINAL = 0x80  # si_code of a signal that the kernel sends, to all processes of the terminal's group
 
 
@@ -90,6 +91,7 @@ def work_in_child() -> None:
     heard = {signal.SIGCHLD, signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
     heard = {number for number in heard if signal.getsignal(number) is not signal.SIG_IGN}
     signal.pthread_sigmask(signal.SIG_BLOCK, heard)
+    ctypes.CDLL(None).prctl(_ADOPT, 1)
     child = os.fork()
     if child == 0:
         die_with_parent()
@@ -122,6 +124,7 @@ def _wait_for(child: int, heard: set[signal.Signals], memory: mmap.mmap) -> int:
 def _kill(child: int, memory: mmap.mmap) -> int:
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
+    _kill_orphans()
     for name in memory[:].split(b"\n")[0].split(b"\0"):
         path = Path(os.fsdecode(name))
         if name and path.is_absolute():
@@ -133,6 +136,17 @@ def _kill(child: int, memory: mmap.mmap) -> int:
     if memory[-1:] != _SAID:
         print("refdof: interrupted; nothing was written", file=sys.stderr)
     return INTERRUPTED
+
+
+def _kill_orphans() -> None:
+    """Kill all processes of this session that the dead child had started, and theirs: they could still write."""
+    children = Path(f"/proc/self/task/{os.getpid()}/children")
+    with suppress(OSError):  # a kernel may have no such file
+        while ours := [n for n in map(int, children.read_text().split()) if os.getsid(n) == os.getsid(0)]:
+            for number in ours:
+                os.kill(number, signal.SIGKILL)
+            for number in ours:
+                os.waitpid(number, 0)
 
 
 def _end_as(status: int) -> None:

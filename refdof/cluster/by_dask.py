@@ -43,6 +43,7 @@ _NO_WORKER_S = 60.0  # after the last one died
 _MOST_SENT = 4  # times that a task is sent; Dask itself gives up after as many deaths
 _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
 _THREADS = "REFDOF_WORKER_THREADS"  # Numba's own word must be there before Numba is, which a script may import first
+_DROPS_COPIES = "distributed.scheduler.active-memory-manager.start"
 _one_at_a_time = Lock()
 
 
@@ -84,7 +85,8 @@ def started(workers: int, wait_s: float) -> Iterator[Cluster]:
         stack.enter_context(_quiet())
         scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="refdof-workers-", ignore_cleanup_errors=True))
         stack.enter_context(unfinished(Path(scratch)))
-        stack.enter_context(dask.config.set({"temporary-directory": scratch}))
+        # Dask would drop copies of what tasks share whenever some workers are idle, and send it to them again.
+        stack.enter_context(dask.config.set({"temporary-directory": scratch, _DROPS_COPIES: False}))
         _hush_tracker()
         cluster = LocalCluster(
             n_workers=0,
