@@ -23,8 +23,8 @@ test: .venv/test  ## every test, compiled
 fast: .venv/test  ## tests that are quick without compiling, on tiny pictures
 	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "fast"
 
-bounds: .venv/test  ## the same tests compiled with bounds checks
-	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast"
+bounds: .venv/test  ## of the same tests those of kernels, compiled with bounds checks
+	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast" $(shell cat .ci/kernel_rooms)
 
 lint: .venv/test  ## style, types and import layers
 	$(BIN)/ruff check .

@@ -1,6 +1,7 @@
 """The cache cannot go stale, and compiled helpers do what they say."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from refdof._jit import tap_registers, texel_registers, texel_sums
 pytestmark = pytest.mark.fast
 
 PACKAGE = Path(_jit.__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def run(folder, cache):
@@ -317,3 +319,14 @@ def test_blends_are_written_and_laid_over(dtype):
     blend_rows(texels, dtype(0.25), dtype(0.5), dtype(0.75), out)
     expected = np.array([0.375, 0.125, 0.375, 0.125]) @ texels.astype(float)
     np.testing.assert_allclose(out, [expected, 0.5 + 0.75 * expected], rtol=16 * np.finfo(dtype).eps)
+
+
+def test_passes_for_kernels_take_the_tests_of_every_room_that_has_some():
+    listed = (ROOT / ".ci/kernel_rooms").read_text().split()
+    assert all((ROOT / name).exists() for name in listed)
+    made = re.compile(r"^@(?:_jit\.)?(?:kernel|tile_kernel|inline)\b", re.MULTILINE)
+    rooms = {path.relative_to(PACKAGE).parent for path in PACKAGE.rglob("*.py") if made.search(path.read_text())}
+    assert len(rooms) > 10
+    for room in rooms:
+        mirrored = [f"tests/{place}" for place in (room, *room.parents)]
+        assert set(mirrored) & set(listed), f"tests of refdof/{room} are in no pass for kernels"
