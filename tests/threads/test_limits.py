@@ -249,7 +249,3 @@ def test_lumit_38_geometric_means_of_small_values(value):
     image = filtered("mipmap", color, np.full((8, 8), 4.0), np.full((8, 8), 2.7), blend="geometric")
     assert_allclose(image, np.float64(color[0, 0, 0]), rtol=2e-6)  # nine float32 terms
 
-
-def test_bevy_infinite_far_plane_has_the_circle_of_infinity():
-    assert LENS.coc_px(np.array([np.inf]), CAMERA)[0] == pytest.approx(5.0, rel=1e-15)
-    assert LENS.coc_px(np.float32([np.inf]), CAMERA)[0] == np.float32(LENS.coc_px(np.array([np.inf]), CAMERA)[0])
