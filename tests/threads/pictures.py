@@ -38,7 +38,7 @@ def noise(shape, seed=0):
 
 
 def spread(image):
-    """Second moment of a picture's light about its middle pixel, along x and y [px^2]: a disc of radius r has r^2 / 4."""
+    """Second moments of a picture's light about its middle pixel, along x and y [px^2]: r^2 / 4 of a disc."""
     light = image.sum(axis=-1)
     y, x = np.indices(light.shape)
     y, x = y - light.shape[0] // 2, x - light.shape[1] // 2

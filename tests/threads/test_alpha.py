@@ -52,9 +52,7 @@ def masked(seed):
 
 @pytest.fixture(scope="module")
 def veiled():
-    """A pane of 1/4 at depth 2 before walls in focus that meet at x = 12, and behind one in focus of those that are not:
-    the traced pictures.
-    """
+    """A pane of 1/4 before walls that meet at x = 12, traced: out of focus before walls in focus, and the reverse."""
     near = scene_of(pane(2.0, RED, 0.25), wall(4.0, GREEN, -9.0, 0.0), background=BLUE)
     far = scene_of(pane(4.0, RED, 0.25), wall(8.0, GREEN, -9.0, 0.0), wall(8.0, BLUE, 0.0))
     return traced(near), traced(far)
@@ -101,9 +99,7 @@ def test_unity_srp_654_circles_come_after_transparent_surfaces():
     assert_allclose(view_of(scene_of(pane(2.0, RED, 0.0), wall(8.0, GREEN))).coc_px(), 1.25, rtol=1e-6)  # a hole
 
 
-@pytest.mark.parametrize(
-    ("depth", "circle"), [pytest.param(4.0, 0.0, id="28240"), pytest.param(2.0, -2.5, id="40948")]
-)
+@pytest.mark.parametrize(("depth", "circle"), [pytest.param(4.0, 0.0, id="28240"), pytest.param(2.0, -2.5, id="40948")])
 def test_godot_one_picture_blurs_a_pane_with_all_behind_it(depth, circle):
     # What one picture can do: the pane in focus keeps a sharp background, out of focus both are blurred alike.
     scene = scene_of(pane(depth, RED, 0.25), wall(8.0, GREEN, -9.0, 0.0), background=BLUE)

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from refdof import InputError, ThinLens, View, render
 from refdof.frame.depth_kinds import planar_depth
 from tests import flat_scene
-from tests.threads.pictures import CAMERA, FILTERS, LENS, even, filtered, noise, point, wall
+from tests.threads.pictures import CAMERA, FILTERS, LENS, even, filtered, noise, wall
 
 pytestmark = pytest.mark.fast
 NEAR, FAR = 0.5, 64.0
@@ -157,5 +157,3 @@ def test_oidn_62_a_tile_is_the_same_as_a_part_of_the_whole(name):
         tile = filtered(name, color[grown], depth[grown], coc[grown], **params)
         kept = tile[:, :10] if part[1].start is None else tile[:, 5:]
         assert_allclose(kept, whole[part], rtol=1e-13)
-
-

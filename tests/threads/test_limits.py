@@ -25,7 +25,7 @@ EACH = pytest.mark.parametrize("name", FILTERS)
 
 def test_bevy_21816_focus_within_the_focal_length():
     for focus in (0.05, 0.04, 1e-3):
-        with pytest.raises(InputError, match="focus_distance: got .*; allowed is a distance above the focal length"):
+        with pytest.raises(InputError, match=r"focus_distance: got .*; allowed is a distance above the focal length"):
             ThinLens.from_f_number(0.05, 2.0, focus)
     just = ThinLens.from_f_number(0.05, 2.0, 0.0501)
     assert just.coc_px(np.array([np.inf]), CAMERA)[0] == pytest.approx(100.0 * 0.0125 / 0.0501, rel=1e-14)
@@ -227,9 +227,7 @@ def test_oidn_18_an_infinite_pixel_of_a_file_is_refused():
         Frame(color, depth, CAMERA, LENS)
 
 
-@pytest.mark.parametrize(
-    "score", [pytest.param(metrics.psnr, id="777"), pytest.param(metrics.psnr_8bit, id="829")]
-)
+@pytest.mark.parametrize("score", [pytest.param(metrics.psnr, id="777"), pytest.param(metrics.psnr_8bit, id="829")])
 def test_three_gpu_pathtracer_one_bright_pixel_sets_no_exposure(score):
     # White is 1 whatever the brightest pixel is: one of 1e30 counts as white and errs by 1 in 3 of 363 values. An
     # infinite one is shown as white, and scores refuse it.
@@ -248,4 +246,3 @@ def test_lumit_38_geometric_means_of_small_values(value):
     color = np.full((8, 8, 3), value, dtype=np.float32)
     image = filtered("mipmap", color, np.full((8, 8), 4.0), np.full((8, 8), 2.7), blend="geometric")
     assert_allclose(image, np.float64(color[0, 0, 0]), rtol=2e-6)  # nine float32 terms
-

@@ -39,9 +39,10 @@ def test_circles_are_a_share_of_the_rows(size, factor):
 
 
 def test_playcanvas_8833_the_blur_of_a_large_picture_is_as_wide():
-    # The spread of a light grows by 4 with the picture: r^2 / 4 at radii of 1.5 and 6 px, and a pixel's own 1 / 12. Read
-    # at whole pixels that is a tenth off for small discs.
-    moments = [spread(filtered("scatter", point((n, n)), *even((n, n), circle=c)))[0] for n, c in ((13, 1.5), (25, 6.0))]
+    # The spread of a light grows by 4 with the picture: r^2 / 4 at radii of 1.5 and 6 px, and a pixel's own 1 / 12.
+    # Read at whole pixels that is a tenth off for small discs.
+    sizes = (13, 1.5), (25, 6.0)
+    moments = [spread(filtered("scatter", point((n, n)), *even((n, n), circle=c)))[0] for n, c in sizes]
     assert_allclose(moments, [1.5**2 / 4.0 + 1.0 / 12.0, 9.0 + 1.0 / 12.0], rtol=0.1)
 
 
@@ -110,5 +111,3 @@ def test_unity_postprocessing_138_short_circles_have_a_bounded_error(form, step)
     error = np.abs(filtered("scatter", color, depth, short) - filtered("scatter", color, depth, exact)).max()
     # A share of 1 / (pi r^2) changes by 2 / r of its error per px, and the rim's by as much: below 4 errors a pixel.
     assert 0.0 < error < 4.0 * step
-
-
