@@ -185,6 +185,10 @@ def test_filament_6888_equal_circles_take_no_other_way():
         image = filtered("scatter", point((9, 9), value), np.full((9, 9), 4.0), circles)
         assert_allclose(image[[4, 4, 6, 4], [4, 5, 6, 7], 0], value * share, rtol=1e-12)
     assert share[0] == pytest.approx(1.0 / (math.pi * circle**2), rel=1e-12)  # the pixel itself lies inside
+    # One disc over what is sharp: each pixel is the mean of its own black, of weight 1, and the disc's share.
+    alone = np.where(point((9, 9))[..., 0] > 0.0, circle, 0.0)
+    image = filtered("scatter", point((9, 9), value), np.full((9, 9), 4.0), alone)
+    assert_allclose(image[[4, 6], [5, 6], 0], value * share[1:3] / (1.0 + share[1:3]), rtol=1e-12)
 
 
 @EACH
