@@ -5,6 +5,7 @@ from formula import Formula, beside, near_one, product_plus, spread_over, sqrt, 
 
 from refdof import Camera, ThinLens
 from refdof.frame.depth_kinds import planar_of
+from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import photographic_share
 from refdof.optics.systems.glass import AIR
 from refdof.optics.systems.system import Surface
@@ -114,6 +115,31 @@ def _draw_extension(random, count):
     return focal, (focal * near_one(random, count, 1e-2, 1e7)).astype(np.float32)
 
 
+def _displaced_naive(focal, focus, offset):
+    image = 1 / (1 / focal - 1 / focus)
+    return 1 / (1 / focal - 1 / (image + offset))
+
+
+def _displaced_ours(focal, focus, offset):
+    strength = (focus - focal) / (focal * focus)
+    return 1 / (1 / focus + offset * strength * strength / (1 + offset * strength))
+
+
+def _displaced_code(focal, focus, offset):
+    lenses = [
+        ExpressiveLens(0.1, float(s), float(f), image_offset=(float(o), float(o)))
+        for f, s, o in zip(focal, focus, offset, strict=True)
+    ]
+    return np.array([1.0 / lens.inverse_focus(_ONE_PIXEL)[0, 0] for lens in lenses])
+
+
+def _draw_displaced(random, count):
+    focal = spread_over(random, 1e-2, 1.0, count)
+    focus = (focal * near_one(random, count, 1.0, 1e5)).astype(np.float32)
+    share = np.exp(random.uniform(np.log(1e-7), np.log(0.1), count))
+    return focal, focus, (focal * share).astype(np.float32)
+
+
 def _sag_naive(radius, height):
     return radius - sqrt(radius * radius - height * height)
 
@@ -212,6 +238,23 @@ FORMULAS = [
         2.5,
         5.0,
         "`refdof.optics.systems.paraxial.sensor_for`, as Newton's equation f^2 / x",
+    ),
+    Formula(
+        "displaced_focus",
+        "Focus distance of a displaced sensor",
+        "The sensor is moved `offset` away from where it has `focus` sharp: curvature of field, or another power.",
+        "The image distance is taken back from nearly the focal length.",
+        _displaced_naive,
+        _displaced_ours,
+        """float displaced_focus(float focal, float focus, float offset) {
+    float strength = (focus - focal) / (focal * focus);
+    return 1.0 / (1.0 / focus + offset * strength * strength / (1.0 + offset * strength));
+}""",
+        _draw_displaced,
+        7.0,
+        18.0,
+        "`ExpressiveLens.inverse_focus`",
+        _displaced_code,
     ),
     Formula(
         "sag",

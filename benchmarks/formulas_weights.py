@@ -90,6 +90,21 @@ def _draw_level(random, count):
     return ((0.75 * near_one(random, count, 1e-5, 1e3)).astype(np.float32),)
 
 
+def _blend_naive(first, second, weight):
+    return first + (second - first) * weight
+
+
+def _blend_ours(first, second, weight):
+    return first * (1 - weight) + second * weight
+
+
+def _draw_blend(random, count):
+    second = spread_over(random, 1e-2, 1e2, count)
+    first = (second * near_one(random, count, 1.0, 1e7)).astype(np.float32)
+    weight = 1.0 - np.exp(random.uniform(np.log(1e-9), np.log(0.9), count))
+    return first, second, weight.astype(np.float32)
+
+
 def _cap_naive(radius, middle):
     return radius * radius * acos(middle / radius) - middle * sqrt(radius * radius - middle * middle)
 
@@ -199,6 +214,21 @@ FORMULAS = [
         "`refdof.methods.mipmap.upsample`, in float64 and rounded once",
         _level_code,
         lambda circle: np.ones_like(circle),
+    ),
+    Formula(
+        "blend",
+        "Blend of two numbers of any ratio",
+        "Of depths between texels, or of a light and what is dark beside it.",
+        "Where the first is much larger, a weight near 1 does not give the second, and a weight of 1 does not either.",
+        _blend_naive,
+        _blend_ours,
+        """float blend(float first, float second, float weight) {
+    return first * (1.0 - weight) + second * weight;
+}""",
+        _draw_blend,
+        2.0,
+        2.0,
+        "`mix_of_four` of `refdof.methods.singlepass` for depth; colours, as GPUs, have the naive form",
     ),
     Formula(
         "cap",
