@@ -13,8 +13,8 @@ _INTRODUCTION = """Some formulas of depth of field take the difference of two nu
 float32, in which shaders work, little is left of it. Each is here in the form in which papers and engines have it, with
 what that loses, and in a form that keeps its digits, in Python and in GLSL. Take the second one.
 
-Errors are counted in units of 2^-23 of the true value: the last place of float32, or half of it. At 8 million nothing
-is right. Both forms were taken in float32 for {count} inputs that are even over the logarithm, and compared with the
+Errors are counted in units of 2^-23 of the true value: the last place of float32, or half of it. At 8e6 nothing is
+right. Both forms were taken in float32 for {count} inputs that are even over the logarithm, and compared with the
 naive form in 50 digits. The last column is the error of refdof's own function as a share of the value: most work in
 float64. `python benchmarks/cancellation.py` makes this section; its inputs have one seed."""
 _HELPERS = """`product_plus(a, b, c)` is a b + c as if rounded once. In NumPy it is
@@ -76,13 +76,9 @@ def _wrapped(words: str) -> str:
 
 
 def _units(error: float) -> str:
-    """An error in units, with two digits."""
+    """An error in units, with two digits or three."""
     units = error / _UNIT
-    return f"{units:.0f}" if 10 <= units < 1000 else f"{units:.2g}" if units < 10 else _thousands(units)
-
-
-def _thousands(units: float) -> str:
-    return f"{float(f'{units:.2g}'):,.0f}".replace(",", " ")
+    return f"{units:.1e}".replace("e+0", "e").replace("e+", "e") if units >= 1000 else f"{units:.{2 + (units > 100)}g}"
 
 
 def _share(error: float) -> str:

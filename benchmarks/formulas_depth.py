@@ -144,7 +144,7 @@ FORMULAS = [
         "signed_depth",
         "Depth of OpenGL's normalised coordinate",
         "`signed` is -1 at the near plane and 1 at the far plane.",
-        "As above.",
+        "As of a standard buffer.",
         _signed_naive,
         _signed_ours,
         """float signed_depth(float near, float far, float signed_) {
@@ -153,7 +153,7 @@ FORMULAS = [
         _draw_signed,
         4.0,
         6.0,
-        "nowhere: give (1 + z) / 2 as `device`",
+        "nowhere; give (1 + z) / 2 as `device`",
     ),
     Formula(
         "reversed_depth",
@@ -184,7 +184,7 @@ FORMULAS = [
         _draw_logarithmic,
         6.0,
         24.0,
-        "nowhere: decode it yourself and give `planar`",
+        "nowhere; decode it yourself and give `planar`",
     ),
     Formula(
         "radial_depth",

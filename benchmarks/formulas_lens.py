@@ -222,7 +222,7 @@ FORMULAS = [
         _draw_focus,
         2.0,
         4.5,
-        "nowhere: focus is given as a distance. Paraxial lenses take Newton's equation, next",
+        "nowhere, since focus is given as a distance; paraxial lenses take Newton's equation, next",
     ),
     Formula(
         "extension",
