@@ -104,6 +104,8 @@ def test_unity_postprocessing_138_short_circles_have_a_bounded_error(form, step)
     if form == "unorm8":
         short = store((exact + np.float32(6.0)) / np.float32(12.0), form) * 12.0 - 6.0
         assert np.abs(short - exact).max() <= 0.5 * step * 1.0001  # float32 roundings of the scaling
+        whole = (short + 6.0) / step
+        assert_allclose(whole, np.rint(whole), atol=1e-4)
     else:
         short = store(exact, form)
         assert np.abs(short - exact).max() <= step
