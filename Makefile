@@ -21,7 +21,7 @@ test: .venv/test  ## every test, compiled
 	$(PYTEST)
 
 fast: .venv/test  ## tests that are quick without compiling, on tiny pictures
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "fast"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "fast and not long"
 
 bounds: .venv/test  ## of the same tests those of kernels, compiled with bounds checks
 	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast" $(shell cat .ci/kernel_rooms)

@@ -81,6 +81,7 @@ def test_the_floor_of_a_pair_by_hand():
     assert metrics.noise_floor_of_pair(np.full((2, 2, 3), 5.0), np.full((2, 2, 3), 9.0)) == np.inf  # both are white
 
 
+@pytest.mark.long
 def test_the_floor_of_a_pair_is_that_of_the_estimates():
     """Of two references of the same scene, against what their own error bars say."""
     scene = refdof.load_scene("fence")

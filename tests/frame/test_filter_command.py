@@ -68,6 +68,7 @@ def planes(kind):
     return [word for pair in zip(["--near", "--far"], PLANES.get(kind, []), strict=False) for word in pair]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", DEPTH_KINDS)
 def test_float64_depth_of_every_kind_gives_the_picture_to_the_bit(exported, tmp_path, kind):
     """Every method gets circles and depths in float32: what float64 rounds on the way there and back is not seen."""

@@ -169,6 +169,7 @@ def blob(size=12):
     return Aperture.image(weights).weights
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pattern", PATTERNS)
 @pytest.mark.parametrize("count", [64, 512])
 def test_points_of_an_image_have_its_moments(pattern, count):
@@ -283,6 +284,7 @@ TABLE = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("pattern", "count"), TABLE)
 def test_centre_and_spacing_of_every_pattern(pattern, count):
     centre, *spacing = TABLE[pattern, count]

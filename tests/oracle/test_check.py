@@ -42,6 +42,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_wrong_port_fails(pack, fault):
     report = check(lambda *words: np.asarray(FAULTS[fault](*words), dtype=np.float32), pack)
@@ -221,6 +222,7 @@ def test_commands_without_folders_are_refused(pack, words):
         check_command(words, pack)
 
 
+@pytest.mark.long
 def test_a_pack_is_the_same_bytes_again(pack, tmp_path):
     pack_of(CASES, tmp_path / "again")
     for path in pack.rglob("*"):

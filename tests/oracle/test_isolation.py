@@ -41,6 +41,7 @@ def test_a_right_port_passes_in_all_parts(pack):
     assert all(outcome.causes == {} and outcome.first_wrong is None for outcome in report.outcomes)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fault", FAULTS)
 @pytest.mark.parametrize("number", [0, 2], ids=["down", "up"])
 def test_own_errors_and_inherited_ones(pack, fault, number):

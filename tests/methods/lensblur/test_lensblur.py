@@ -73,6 +73,7 @@ def picture(seed, size, dtype=np.float64, twin=True, **words):
     return ours, image, edge
 
 
+@pytest.mark.long
 @settings(max_examples=20)
 @given(st.integers(0, 10**6), st.sampled_from(SIZES), st.sampled_from(["closed", "rays"]), st.integers(0, 4))
 def test_every_ray_meets_what_an_exhaustive_march_meets(seed, size, footprint, iterations):
@@ -88,12 +89,14 @@ def test_float32_meets_the_same(seed):
     assert edge.mean() < 0.2
 
 
+@pytest.mark.long
 def test_a_row_of_more_than_one_tile():
     ours, image, edge = picture(1, (TILE + 3, 2), np.float32)
     np.testing.assert_allclose(ours.image[~edge], image[~edge], atol=2e-7)  # as above
     assert edge.mean() < 0.2
 
 
+@pytest.mark.long
 @settings(max_examples=20)
 @given(st.integers(0, 10**6), st.sampled_from(SIZES), st.sampled_from([np.float32, np.float64]))
 def test_bounds_and_n_buffers_change_no_bit(seed, size, dtype):
@@ -133,6 +136,7 @@ def wall(depth, color=(1.0, 1.0, 1.0), left=-99.0):
     return flat_scene.rectangle(left, 99.0, -99.0, 99.0, depth, color)
 
 
+@pytest.mark.long
 def test_missed_rays_count_as_asked():
     view = cards(wall(1.0))  # a circle of 10 px: every pixel loses some rays across the border, 16 px are all there is
     results = {
@@ -145,6 +149,7 @@ def test_missed_rays_count_as_asked():
     np.testing.assert_allclose(results["black"].image, np.broadcast_to(1.0 - missed, (16, 24, 3)), atol=1e-6)
 
 
+@pytest.mark.long
 def test_a_full_stack_hides_what_may_be_behind_it():
     # Behind the left card's edge lies the wall, which one layer does not hold: rays past the edge are missed there, and
     # no background leaks in.
@@ -156,6 +161,7 @@ def test_a_full_stack_hides_what_may_be_behind_it():
     assert two.stages["missed"][inner].max() == 0.0
 
 
+@pytest.mark.long
 def test_linear_colours_make_a_blurred_ramp_exact():
     # A ramp in one plane: its mean over the lens is its value at the mean lens point. 10 * 2 * (1/2 - 1/4) = 5 px.
     ramp = flat_scene.strips(np.array([-99.0, 99.0]), np.array([4.0, 4.0]), -99.0, 99.0, np.array([0.0, 1.0]))
@@ -169,6 +175,7 @@ def test_linear_colours_make_a_blurred_ramp_exact():
     assert np.abs(nearest.image[inner][..., 0] - truth[6:18]).max() > 1e-5
 
 
+@pytest.mark.long
 def test_a_slanted_plane_has_no_slits():
     # 1 / depth = 0.62 + 0.45 t at tangent t falls by 0.9 px of parallax a pixel; 1 would cut the lens's rim.
     tangent = np.array([-1.3, 1.3])

@@ -58,6 +58,7 @@ def picture(dtype=np.float64, height=8, width=11):
     return color.astype(dtype), depth, circle_of(depth).astype(dtype)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth_filter", ["nearest", "bilinear"])
 @pytest.mark.parametrize("changes", CHANGES, ids=name_of)
 def test_every_bit_of_every_field_is_the_naive_loops(changes, depth_filter):
@@ -67,6 +68,7 @@ def test_every_bit_of_every_field_is_the_naive_loops(changes, depth_filter):
     assert np.array_equal(image, naive.single_pass(color, depth, coc, depth_filter, **use))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("changes", [{}, *CHANGES], ids=name_of)
 def test_depth_blended_as_a_texture_of_linear_depth(changes):
     use = {**SHORT, **changes}
@@ -96,6 +98,7 @@ def test_signed_sizes_are_in_another_order_than_depths_where_they_are_not_a_lens
     assert np.abs(depth - size).max() > 0.01
 
 
+@pytest.mark.long
 def test_sizes_that_are_not_cut_hold_less_back():
     color, depth, coc = picture()
     cut, whole = (blur(color, depth, 9.0 * coc, Params(max_blur_size=s, loop_bound=40.0)) for s in (20.0, 1e6))

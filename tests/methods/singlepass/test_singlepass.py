@@ -45,6 +45,7 @@ def weights(size):
     return share * kept[1:], kept[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("depth_filter", FILTERS)
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (7, 1), (8, 11)])
@@ -55,6 +56,7 @@ def test_every_bit_is_the_articles_loop(size, depth_filter, dtype):
     assert np.array_equal(image, naive.single_pass(color, depth, coc, depth_filter))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("depth_filter", FILTERS)
 def test_every_bit_of_some_pixels_of_a_larger_image(depth_filter, dtype):
@@ -66,6 +68,7 @@ def test_every_bit_of_some_pixels_of_a_larger_image(depth_filter, dtype):
         assert np.array_equal(image[y, x], naive.single_pass_at(x, y, color, depth, coc, depth_filter))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth_filter", FILTERS)
 def test_every_bit_where_all_is_background(depth_filter):
     color, _, coc = images(np.random.default_rng(8), 4, 6, np.float32)
@@ -126,6 +129,7 @@ def test_small_circles_by_hand(size, right, depth_filter, sign):
     assert not image[0, 0].any()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [0.75, 3.3, 8.0, 33.0])
 def test_even_blur_is_the_weighted_mean_of_the_taps(size):
     reach = math.ceil(min(size, 20.0)) + 1
@@ -151,6 +155,7 @@ def test_a_point_of_light_keeps_the_centres_share():
     np.testing.assert_allclose(image[8, 8], center + shares @ tent, rtol=0, atol=DEVIATION * 2.0**-53)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("depth_filter", FILTERS)
 def test_constant_colour_stays(depth_filter, dtype):
@@ -160,6 +165,7 @@ def test_constant_colour_stays(depth_filter, dtype):
     np.testing.assert_allclose(image, color, rtol=DEVIATION * np.finfo(dtype).eps / 2, atol=0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dtype", TYPES)
 @pytest.mark.parametrize("depth_filter", FILTERS)
 def test_a_pinhole_changes_nothing_but_rounding(depth_filter, dtype):
@@ -169,6 +175,7 @@ def test_a_pinhole_changes_nothing_but_rounding(depth_filter, dtype):
     np.testing.assert_allclose(image, color, rtol=DEVIATION * np.finfo(dtype).eps / 2, atol=0)
 
 
+@pytest.mark.long
 @settings(max_examples=20, deadline=None)
 @given(st.integers(1, 9), st.integers(1, 9), st.sampled_from(FILTERS), st.integers(0, 10**6))
 def test_every_pixel_is_a_mean_of_its_neighbourhood(height, width, depth_filter, seed):
@@ -240,6 +247,7 @@ def test_a_bad_filter_is_named():
         Params("linear")
 
 
+@pytest.mark.long
 def test_rendering_blurs_the_pinhole_and_shows_its_stages():
     shot = flat_scene.camera(24, 18, 24.0)
     card = flat_scene.rectangle(-0.5, 0.5, -0.5, 0.5, 2.0, (0.8, 0.4, 0.2))
@@ -270,6 +278,7 @@ def test_depths_one_rounding_apart_keep_their_order():
     np.testing.assert_allclose(out[2, 2], color[2, 2], rtol=1e-4)  # 398 roundings: nothing from behind comes in
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("exponent", [-300, -160, -140, 0, 125, 140, 300])
 def test_the_unit_of_length_changes_no_bit(exponent):
     scene = refdof.load_scene("branches")

@@ -154,6 +154,7 @@ def found(frame):
     return Bounds(*(part[ROWS] for part in bounds(*frame)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("divided", [False, True])
 def test_shaders_in_float32_are_inside(frame, found, divided):
     image = shader32.listing(*frame, divided, rows=ROWS)

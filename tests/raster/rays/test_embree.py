@@ -25,6 +25,7 @@ def slanted_strips(step, tilt):
     return np.stack([right * depth, up * depth, -depth], axis=-1)
 
 
+@pytest.mark.long
 @pytest.mark.fast
 @pytest.mark.parametrize("tilt", [0.0, 0.1, 0.31])
 @pytest.mark.parametrize("step", [1, 2, 3])
