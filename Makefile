@@ -32,7 +32,7 @@ lint: .venv/test  ## style, types and import layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-wheel: .venv/run  ## build the wheel and the source archive and try both outside the repository
+wheel: .venv/test  ## build the wheel and the source archive and try both outside the repository
 	.ci/wheel
 
 readme: .venv/run  ## make the README's picture and table anew
