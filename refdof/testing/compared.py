@@ -3,11 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy import ndimage
 
 from refdof._check import Float
 
-__all__ = ["Compared", "Room", "distance_to", "inside"]
+__all__ = ["Compared", "Mask", "Room", "distance_to", "inside"]
+
+Mask = npt.NDArray[np.bool_]
 
 
 class Room(NamedTuple):
@@ -21,14 +24,14 @@ class Room(NamedTuple):
     reach: float
 
     def margin(self, largest: float) -> float:
-        """The distance [px] up to which a circle of this radius [px] may be seen. Rims, and bilinear reads, add 1 px."""
+        """The distance [px] up to which a circle of this radius [px] may show; rims, and bilinear reads, add 1 px."""
         return 0.0 if largest == 0.0 else self.reach * largest + 1.0
 
 
 class Compared(NamedTuple):
     """Two arrays that shall be equal but for `allowed`.
 
-    expected, got : (H, W, C), pixels; or (C,), a number of the whole picture for each channel
+    expected, got : (H, W, C), pixels; or a number of the whole picture, for each channel (C,) or for all ()
     allowed : largest difference
     counts : (H, W) bool; None: all
     said : what was done, in words; may be empty
@@ -37,7 +40,7 @@ class Compared(NamedTuple):
     expected: Float
     got: Float
     allowed: float
-    counts: Float | None = None
+    counts: Mask | None = None
     said: str = ""
 
     def worst(self) -> tuple[int, ...] | None:
@@ -48,20 +51,20 @@ class Compared(NamedTuple):
             error = np.where(same, 0.0, np.abs(self.got - self.expected))
         error[np.isnan(error)] = np.inf
         if self.counts is not None:
-            error[~self.counts.astype(bool)] = 0.0
+            error[~self.counts] = 0.0
         if not error.max() > self.allowed:
             return None
         return tuple(int(k) for k in np.unravel_index(error.argmax(), error.shape))
 
 
-def distance_to(marked: Float) -> Float:
+def distance_to(marked: Mask) -> Float:
     """(H, W) distance of each pixel to the nearest one of `marked` [px], centre to centre; inf where there is none."""
     if not marked.any():
         return np.full(marked.shape, np.inf)
     return np.asarray(ndimage.distance_transform_edt(~marked))
 
 
-def inside(length: int, first: int, end: int, margin: float) -> Float:
+def inside(length: int, first: int, end: int, margin: float) -> Mask:
     """(length,) bool: places that lie in first .. end - 1, more than `margin` from every place of 0 .. length - 1 that
     does not.
     """

@@ -3,12 +3,13 @@
 Functions as in `refdof.testing.pointwise`.
 """
 
+from collections.abc import Callable
 from itertools import permutations
 
 import numpy as np
 
 from refdof._check import Float
-from refdof.testing.compared import Compared, Room, distance_to, inside
+from refdof.testing.compared import Compared, Mask, Room, distance_to, inside
 from refdof.testing.filter import Filter
 from refdof.testing.picture import DEPTHS, FOCUS, NEAR, Case, Picture, axis_of
 
@@ -47,8 +48,8 @@ def transpose(run: Filter, case: Case, room: Room) -> Compared:
     return _alike(run, case.picture, room, lambda a: np.swapaxes(a, 0, 1))
 
 
-def _alike(run: Filter, picture: Picture, room: Room, change: object) -> Compared:
-    expected = change(run(picture))  # type: ignore[operator]
+def _alike(run: Filter, picture: Picture, room: Room, change: Callable[[Float], Float]) -> Compared:
+    expected = change(run(picture))
     return Compared(expected, run(picture.moved(change)), room.tolerance * picture.brightest)
 
 
@@ -57,7 +58,9 @@ def translation(run: Filter, case: Case, room: Room) -> Compared | None:
     axis, shift = axis_of(case.numbers[0]), 1 + case.numbers[1]
     length = case.picture.depth.shape[axis]
     windows = (0, length - shift), (shift, length)
-    return _windows(run, case.picture, room, axis, *windows, f"{'rows' if axis == 0 else 'columns'} moved by {shift} px")
+    return _windows(
+        run, case.picture, room, axis, *windows, f"{'rows' if axis == 0 else 'columns'} moved by {shift} px"
+    )
 
 
 def crop(run: Filter, case: Case, room: Room) -> Compared | None:
@@ -108,19 +111,19 @@ def _windows(
     counts = inside(length, *first, margin) & inside(length, *second, margin)
     if not counts.any():
         return None
-    results = []
+    results: list[Float] = []
     for window in (first, second):
         whole = np.zeros(picture.color.shape)
         _part(whole, axis, window)[...] = run(picture.moved(lambda a, window=window: _part(a, axis, window)))
         results.append(whole)
-    return Compared(*results, room.tolerance * picture.brightest, _along(counts, axis, picture), said)
+    return Compared(results[0], results[1], room.tolerance * picture.brightest, _along(counts, axis, picture), said)
 
 
 def _part(array: Float, axis: int, window: tuple[int, int]) -> Float:
     return array[window[0] : window[1]] if axis == 0 else array[:, window[0] : window[1]]
 
 
-def _along(counts: Float, axis: int, picture: Picture) -> Float:
+def _along(counts: Mask, axis: int, picture: Picture) -> Mask:
     """(H, W) of (H,) or (W,)."""
     return np.broadcast_to(counts[:, None] if axis == 0 else counts, picture.depth.shape)
 

@@ -6,6 +6,7 @@ circles are -c at half of that distance, 0 at it, c / 2 at its double, and their
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from refdof._check import Float
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["DEPTHS", "FOCUS", "NEAR", "Case", "Picture", "axis_of", "circles_up_to"]
+__all__ = ["DEPTHS", "FOCUS", "NEAR", "WALLS", "Case", "Picture", "axis_of", "circles_up_to"]
 
 FOCUS, NEAR = 4.0, 2.0
 DEPTHS = (FOCUS, math.inf, NEAR, 2.0 * FOCUS, 4.0 * FOCUS)
+WALLS = (math.inf, NEAR)  # c on either side
 _PIXELS_PER_TANGENT = 64.0  # the pictures are small: their angles, too
 
 
@@ -54,7 +56,7 @@ class Picture:
         """The thin lens that gives the background its circle."""
         return ThinLens(self.unit * self.circle * FOCUS / _PIXELS_PER_TANGENT, self.unit * FOCUS)
 
-    @property
+    @cached_property
     def coc(self) -> Float:
         """(H, W) float32: signed circles of confusion, radius [px]."""
         return self.lens.coc_px(self.depth, self.camera)
@@ -80,7 +82,9 @@ class Picture:
 
     def moved(self, change: Any) -> "Picture":
         """The picture with colour and depth after a function of arrays that acts on rows and columns."""
-        return replace(self, color=np.ascontiguousarray(change(self.color)), depth=np.ascontiguousarray(change(self.depth)))
+        return replace(
+            self, color=np.ascontiguousarray(change(self.color)), depth=np.ascontiguousarray(change(self.depth))
+        )
 
     def unlike(self) -> list[tuple[int, int]]:
         """(row, column) of the pixels that are not as most are, or, of as many, as the first is."""

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from refdof._check import Float
-from refdof.testing.compared import Compared, Room, distance_to
+from refdof.testing.compared import Compared, Mask, Room, distance_to
 from refdof.testing.filter import BrokenCall, Filter
 from refdof.testing.picture import FOCUS, Case, Picture
 
@@ -50,7 +50,7 @@ def behind(run: Filter, case: Case, room: Room) -> Compared | None:
     return _kept(run, case.picture, room, case.picture.depth < FOCUS)
 
 
-def _kept(run: Filter, picture: Picture, room: Room, disturbing: Float) -> Compared | None:
+def _kept(run: Filter, picture: Picture, room: Room, disturbing: Mask) -> Compared | None:
     counts = ~picture.blurred & (distance_to(disturbing) > room.margin(picture.largest))
     if not counts.any():
         return None
@@ -84,7 +84,7 @@ def radius(run: Filter, case: Case, room: Room) -> Compared | None:
         return None
     # A disc of radius c has the second moment c^2 / 2.
     ideal, found = picture.largest / math.sqrt(2.0), math.sqrt(max(spread, 0.0))
-    return Compared(np.array([ideal]), np.array([found]), _HALF_PIXEL, said="RMS radius of the spot in px")
+    return Compared(np.array(ideal), np.array(found), _HALF_PIXEL, said="RMS radius of the spot in px")
 
 
 def aperture(run: Filter, case: Case, room: Room) -> Compared | None:
@@ -97,7 +97,7 @@ def aperture(run: Filter, case: Case, room: Room) -> Compared | None:
         return None
     allowed = room.tolerance * (1.0 + narrow)
     said = "second moments of the spot in px^2, with half of the aperture (at least so much is expected) and all of it"
-    return Compared(np.array([max(narrow, wide)]), np.array([wide]), allowed, said=said)
+    return Compared(np.array(max(narrow, wide)), np.array(wide), allowed, said=said)
 
 
 def _is_lamp(picture: Picture, room: Room) -> bool:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from refdof._check import Float
 from refdof.testing.picture import Picture
 
 __all__ = ["Failure", "PropertyError", "Report"]
@@ -24,7 +23,7 @@ class Failure:
         The smallest picture found: `color` (H, W, C), `depth` (H, W), `coc` (H, W) px, `camera`, `lens`.
     done : str
         What was done to the picture, or what is compared.
-    where : (row, column, channel), or (channel,) of numbers of the whole picture; None of a broken call
+    where : (row, column, channel); of numbers of the whole picture (channel,) or (); None of a broken call
     expected, got : float or None
         There.
     broken : str
@@ -73,7 +72,7 @@ class Failure:
         where = self.where or ()
         if len(where) == 3:
             return f"row {where[0]}, column {where[1]}, channel {where[2]}"
-        return f"channel {where[0]}" if where else "there"
+        return f"channel {where[0]}" if where else "all channels"
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from hypothesis.errors import FlakyFailure, NoSuchExample
 
 from refdof.testing.compared import Room
-from refdof.testing.picture import DEPTHS, Case, Picture, axis_of, circles_up_to
+from refdof.testing.picture import DEPTHS, WALLS, Case, Picture, axis_of, circles_up_to
 from refdof.testing.properties import Property
 
 __all__ = ["Flaky", "search"]
 
 _LIGHTS = (1.0, 0.5, 0.25, 3.0, 1000.0)  # also beyond white
-_MOST_MARKS = 4
+_MOST_MARKS, _MARK_SIDE = 4, 3
 _MOST_PIXELS = 7  # of a side, beyond what a property needs
 
 
@@ -59,23 +59,30 @@ def _cases(draw: st.DrawFn, prop: Property, room: Room, circle: float, channels:
     least = [int(count * margin) for count in margins]
     height, width = (side + draw(st.integers(1, _MOST_PIXELS)) for side in least)
 
-    light = st.sampled_from(_LIGHTS)
-    colors = st.tuples(*[light if prop.lamp else st.sampled_from((0.0, *_LIGHTS))] * channels)
-    depths = st.sampled_from(DEPTHS)
-    base = (0.0,) * channels if prop.lamp else draw(colors)
-    depth = draw(st.sampled_from(DEPTHS[1:])) if prop.wall else DEPTHS[0] if prop.sharp else draw(depths)
-    color, distance = np.empty((height, width, channels), np.float32), np.full((height, width), depth, np.float32)
-    color[:] = base
+    values = _LIGHTS if prop.lamp else (0.0, *_LIGHTS)
+    depths = WALLS if prop.wall else DEPTHS
 
-    def side(length: int, least: int) -> slice:
-        """Of a mark; of a lamp's, one in the middle."""
-        start = draw(st.integers(least // 2, length - 1 - least // 2)) if prop.lamp else draw(st.integers(0, length - 1))
-        return slice(start, start + draw(st.integers(1, 2 if prop.lamp else 3)))
+    def drawn_color() -> tuple[float, ...]:
+        """One number stands for all channels: every draw takes its time."""
+        code = draw(st.integers(0, len(values) ** channels - 1))
+        return tuple(values[code // len(values) ** c % len(values)] for c in range(channels))
 
+    def drawn_depth() -> float:
+        return depths[draw(st.integers(0, len(depths) - 1))]
+
+    color, depth = np.zeros((height, width, channels), np.float32), np.full((height, width), DEPTHS[0], np.float32)
+    if not prop.lamp:
+        color[:] = drawn_color()
+    if not prop.sharp:
+        depth[:] = drawn_depth()
     for _ in range(draw(st.integers(1 if prop.lamp else 0, _MOST_MARKS))):
-        place = side(height, least[0]), side(width, least[1])
+        # Lights lie in the middle.
+        top, left = (side // 2 if prop.lamp else 0 for side in least)
+        y, x = draw(st.integers(top, height - 1 - top)), draw(st.integers(left, width - 1 - left))
+        rows, columns = divmod(draw(st.integers(0, _MARK_SIDE**2 - 1)), _MARK_SIDE)
+        place = slice(y, min(y + 1 + rows, height - top)), slice(x, min(x + 1 + columns, width - left))
         if not prop.plain:
-            color[place] = draw(colors)
+            color[place] = drawn_color()
         if not prop.wall:
-            distance[place] = draw(depths)
-    return Case(Picture(color, distance, circle), numbers)
+            depth[place] = drawn_depth()
+    return Case(Picture(color, depth, circle), numbers)
