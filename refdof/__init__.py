@@ -112,7 +112,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    if name in ("cluster", "methods", "metrics"):
+    if name in ("cluster", "methods", "metrics", "testing"):
         return import_module(f"refdof.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'refdof' has no attribute {name!r}")

@@ -55,8 +55,10 @@ from refdof.scene.limits import Limits
 from refdof.scene.load import load_scene
 from refdof.scene.mesh_file import load_mesh
 from refdof.stages import StageRecorder
+from refdof.testing import check_properties
 from refdof.truth.forecast import forecast_of_view
 from refdof.truth.reference import reference_of_view
+from tests.testing.filters import gather
 
 NAN, INF = math.nan, math.inf
 
@@ -375,6 +377,19 @@ DOORS: dict[str, Door] = {
         {"method": "separable", "circle": 2.0, "light": 1, "in_front": False, "preset": "best", "params": {}},
         {"params": ("parameter", "values")},
         True,  # NaN of a light that is lost
+    ),
+    "refdof.testing.check.check_properties": Door(
+        check_properties,
+        {
+            "function": gather,
+            "promises": ["pinhole"],
+            "inputs": ["color", "depth", "coc"],
+            "channels": 3,
+            "tolerance": 1e-5,
+            "reach": 1.0,
+            "circle": 1.0,
+            "examples": 2,
+        },
     ),
     "refdof.motion.moved_views": Door(moved_views, {"view": View(SCENE, CAMERA, LENS), "frames": 3}),
     "refdof.motion.flickers": Door(
@@ -738,6 +753,8 @@ DOORS |= {
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
     "claims", "claims_cli",
+    "testing.compared", "testing.filter", "testing.metamorphic", "testing.picture", "testing.plugin",
+    "testing.pointwise", "testing.properties", "testing.report", "testing.search", "testing.shrink",
     "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
     "optics.lens_maps", "optics.lens_shape", "optics.aperture_sampling", "optics.owen_sobol", "optics.poisson_disc",
     "optics.projection", "optics.expressive_map", "optics.ray_map",
@@ -772,6 +789,7 @@ INNER_MODULES = {
 }  # fmt: skip
 INNER = {
     "refdof.truth.reference.samples_taken",
+    "refdof.testing.promises.chosen",
     "refdof.frame.depth_kinds.planar_of",
     "refdof.frame.depth_kinds.ray_lengths",
     "refdof.frame.frame.FrameView",

@@ -5,10 +5,10 @@
 3. Say what was expected, what came, and where           `refdof.testing.report`
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from refdof._check import InputError, as_choice, as_function, as_integer, as_number
+from refdof._check import InputError, as_choice, as_function, as_instances, as_integer, as_number
 from refdof.testing.compared import Compared, Room
 from refdof.testing.filter import INPUTS, BrokenCall, Filter
 from refdof.testing.picture import Case, circles_up_to
@@ -22,9 +22,9 @@ __all__ = ["check_properties"]
 
 def check_properties(
     function: Callable[..., Any],
-    promises: Iterable[str] | None = None,
+    promises: Sequence[str] | None = None,
     *,
-    inputs: Iterable[str] = ("color", "depth", "coc"),
+    inputs: Sequence[str] = ("color", "depth", "coc"),
     channels: int = 3,
     tolerance: float = 1e-5,
     reach: float = 5.0,
@@ -66,7 +66,9 @@ def check_properties(
     InputError
         If an argument is not allowed, or hypothesis is not installed.
     """
-    run = Filter(as_function("function", function), _as_inputs(inputs))
+    if as_function("function", function) is None:
+        raise InputError("function: got None; allowed is a function")
+    run = Filter(function, _as_inputs(inputs))
     names = chosen(promises)
     channels = as_integer("channels", channels, minimum=3, maximum=4)
     room = Room(
@@ -90,9 +92,7 @@ def check_properties(
 
 
 def _as_inputs(inputs: Any) -> tuple[str, ...]:
-    if isinstance(inputs, str) or not isinstance(inputs, Iterable):
-        raise InputError(f"inputs: got {inputs!r:.60}; allowed is a list of {', '.join(INPUTS)}")
-    names = tuple(as_choice("inputs", name, INPUTS) for name in inputs)
+    names = tuple(as_choice("inputs", name, INPUTS) for name in as_instances("inputs", inputs, str))
     if "color" not in names:
         raise InputError(f"inputs: got {', '.join(names) or 'none'}; allowed are words with color among them")
     return names

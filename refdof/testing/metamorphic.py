@@ -31,6 +31,7 @@ __all__ = [
 ]
 
 _SO_FAR = FOCUS * 2.0**40  # its circle is that of the background but for 2^-40: the same number in float32
+_WORDS = ("row", "top and bottom"), ("column", "left and right")  # of axes 0 and 1
 
 
 def symmetry(run: Filter, case: Case, room: Room) -> Compared:
@@ -57,10 +58,8 @@ def translation(run: Filter, case: Case, room: Room) -> Compared | None:
     """Two windows of one picture, so that what they show moves."""
     axis, shift = axis_of(case.numbers[0]), 1 + case.numbers[1]
     length = case.picture.depth.shape[axis]
-    windows = (0, length - shift), (shift, length)
-    return _windows(
-        run, case.picture, room, axis, *windows, f"{'rows' if axis == 0 else 'columns'} moved by {shift} px"
-    )
+    said = f"{_WORDS[axis][0]}s moved by {shift} px"
+    return _windows(run, case.picture, room, axis, (0, length - shift), (shift, length), said)
 
 
 def crop(run: Filter, case: Case, room: Room) -> Compared | None:
@@ -69,7 +68,7 @@ def crop(run: Filter, case: Case, room: Room) -> Compared | None:
     length = case.picture.depth.shape[axis]
     if first + last == 0:
         return None
-    said = f"cropped by {first} and {last} px at {'top and bottom' if axis == 0 else 'left and right'}"
+    said = f"cropped by {first} and {last} px at {_WORDS[axis][1]}"
     return _windows(run, case.picture, room, axis, (0, length), (first, length - last), said)
 
 
@@ -82,7 +81,7 @@ def pad(run: Filter, case: Case, room: Room) -> Compared | None:
     widths[axis] = first, last
     padded = case.picture.moved(lambda a: np.pad(a, widths[: a.ndim], mode="edge"))
     length = padded.depth.shape[axis]
-    said = f"padded by {first} and {last} px at {'top and bottom' if axis == 0 else 'left and right'}"
+    said = f"padded by {first} and {last} px at {_WORDS[axis][1]}"
     return _windows(run, padded, room, axis, (first, length - last), (0, length), said)
 
 
@@ -98,7 +97,7 @@ def tile(run: Filter, case: Case, room: Room) -> Compared | None:
     if not counts.any():
         return None
     halves = [run(picture.moved(lambda a, part=part: _part(a, axis, part))) for part in ((0, cut), (cut, length))]
-    said = f"cut before {'row' if axis == 0 else 'column'} {cut}"
+    said = f"cut before {_WORDS[axis][0]} {cut}"
     got = np.concatenate(halves, axis=axis)
     return Compared(run(picture), got, room.tolerance * picture.brightest, _along(counts, axis, picture), said)
 

@@ -15,7 +15,7 @@ from refdof.testing.picture import FOCUS, Case, Picture
 
 __all__ = ["aperture", "behind", "call", "constant", "convexity", "energy", "focus", "pinhole", "radius"]
 
-_HALF_PIXEL = 0.5  # a disc that is laid out in whole pixels has its RMS radius within that
+_HARD_EDGE = math.sqrt(0.5)  # px: a disc of whole pixels that is just below 1 px is one pixel
 
 
 def call(run: Filter, case: Case, room: Room) -> Compared:
@@ -84,7 +84,7 @@ def radius(run: Filter, case: Case, room: Room) -> Compared | None:
         return None
     # A disc of radius c has the second moment c^2 / 2.
     ideal, found = picture.largest / math.sqrt(2.0), math.sqrt(max(spread, 0.0))
-    return Compared(np.array(ideal), np.array(found), _HALF_PIXEL, said="RMS radius of the spot in px")
+    return Compared(np.array(ideal), np.array(found), _HARD_EDGE, said="RMS radius of the spot in px")
 
 
 def aperture(run: Filter, case: Case, room: Room) -> Compared | None:

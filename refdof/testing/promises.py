@@ -4,9 +4,9 @@ Words that methods also use mean the same as there (`refdof.methods`), on one pi
 within `reach` radii of the largest circle of confusion, and one pixel more.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
-from refdof._check import InputError, as_choice
+from refdof._check import InputError, as_choice, as_instances
 
 __all__ = ["PROMISES", "chosen"]
 
@@ -18,7 +18,7 @@ PROMISES: dict[str, str] = {
     "behind": "a pixel in focus keeps its colour, whatever is near behind it",
     "convexity": "no channel is below its least or above its greatest value in the input",
     "energy": "a light on a wall, away from the border, adds the same total to the picture, however blurred",
-    "radius": "a light on a wall spreads to the RMS radius of a disc of the wall's circle, within half a pixel",
+    "radius": "a light on a wall spreads to the RMS radius of a disc of the wall's circle, within 0.71 px",
     "aperture": "a wider aperture spreads a light on a wall no less: its second moment does not fall",
     "symmetry": "the picture mirrored from left to right gives the result mirrored from left to right",
     "flip": "the picture turned upside down gives the result turned upside down",
@@ -37,7 +37,7 @@ PROMISES: dict[str, str] = {
 }
 
 
-def chosen(promises: Iterable[str] | None) -> tuple[str, ...]:
+def chosen(promises: Sequence[str] | None) -> tuple[str, ...]:
     """The promises that are named, in the order of `PROMISES`; None: all.
 
     Raises
@@ -47,9 +47,7 @@ def chosen(promises: Iterable[str] | None) -> tuple[str, ...]:
     """
     if promises is None:
         return tuple(PROMISES)
-    if isinstance(promises, str) or not isinstance(promises, Iterable):
-        raise InputError(f"promises: got {promises!r:.60}; allowed is a list of {', '.join(PROMISES)}")
-    named = {as_choice("promises", name, PROMISES) for name in promises}
+    named = {as_choice("promises", name, PROMISES) for name in as_instances("promises", promises, str)}
     if not named:
         raise InputError("promises: got none; allowed is one or more")
     return tuple(name for name in PROMISES if name in named)

@@ -1,12 +1,13 @@
 """Properties: for each promise the check, and the pictures that can tell."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 from refdof.testing import metamorphic, pointwise
 from refdof.testing.compared import Compared, Room
 from refdof.testing.filter import Filter
-from refdof.testing.picture import Case
+from refdof.testing.picture import FOCUS, Case
 
 __all__ = ["PROPERTIES", "Property"]
 
@@ -22,7 +23,7 @@ class Property(NamedTuple):
     wall : one depth, out of focus
     lamp : a black picture with lights in its middle
     plain : one colour
-    sharp : most pixels are in focus
+    base : depth of most pixels, if it matters
     """
 
     check: Callable[[Filter, Case, Room], Compared | None]
@@ -32,15 +33,15 @@ class Property(NamedTuple):
     wall: bool = False
     lamp: bool = False
     plain: bool = False
-    sharp: bool = False
+    base: float | None = None
 
 
 PROPERTIES: dict[str, Property] = {
     "call": Property(pointwise.call),
     "constant": Property(pointwise.constant, plain=True),
     "pinhole": Property(pointwise.pinhole),
-    "focus": Property(pointwise.focus, (1,), along=1, sharp=True),
-    "behind": Property(pointwise.behind, sharp=True),
+    "focus": Property(pointwise.focus, (1,), along=1, base=FOCUS),
+    "behind": Property(pointwise.behind, base=FOCUS),
     "convexity": Property(pointwise.convexity),
     "energy": Property(pointwise.energy, across=4, along=4, wall=True, lamp=True),
     "radius": Property(pointwise.radius, across=4, along=4, wall=True, lamp=True),
@@ -58,5 +59,5 @@ PROPERTIES: dict[str, Property] = {
     "channels": Property(metamorphic.channels, (22,)),
     "units": Property(metamorphic.units, (_LENS_UNITS,)),
     "sides": Property(metamorphic.sides, wall=True),
-    "far": Property(metamorphic.far),
+    "far": Property(metamorphic.far, base=math.inf),
 }

@@ -15,6 +15,8 @@ __all__ = ["Flaky", "search"]
 
 _LIGHTS = (1.0, 0.5, 0.25, 3.0, 1000.0)  # also beyond white
 _MOST_MARKS, _MARK_SIDE = 4, 3
+_COLOR_GRAIN, _DEPTH_GRAIN = 1, 2  # every pixel for itself, from one of so many seeds
+_MOST_SEEDS = 999
 _MOST_PIXELS = 7  # of a side, beyond what a property needs
 
 
@@ -70,11 +72,16 @@ def _cases(draw: st.DrawFn, prop: Property, room: Room, circle: float, channels:
     def drawn_depth() -> float:
         return depths[draw(st.integers(0, len(depths) - 1))]
 
-    color, depth = np.zeros((height, width, channels), np.float32), np.full((height, width), DEPTHS[0], np.float32)
+    color, depth = np.zeros((height, width, channels), np.float32), np.empty((height, width), np.float32)
     if not prop.lamp:
         color[:] = drawn_color()
-    if not prop.sharp:
-        depth[:] = drawn_depth()
+    depth[:] = drawn_depth() if prop.base is None else prop.base
+    grain, seed = draw(st.integers(0, _COLOR_GRAIN | _DEPTH_GRAIN)), draw(st.integers(0, _MOST_SEEDS))
+    random = np.random.default_rng(seed)
+    if grain & _COLOR_GRAIN and not (prop.lamp or prop.plain):
+        color[:] = random.choice(values, color.shape)
+    if grain & _DEPTH_GRAIN and not (prop.wall or prop.base is not None):
+        depth[:] = random.choice(depths, depth.shape)
     for _ in range(draw(st.integers(1 if prop.lamp else 0, _MOST_MARKS))):
         # Lights lie in the middle.
         top, left = (side // 2 if prop.lamp else 0 for side in least)
