@@ -47,6 +47,15 @@ def test_the_glossary_explains_every_promise():
         assert f"  - {name}: {meaning}\n" in glossary
 
 
+def test_the_page_on_testing_lists_every_promise():
+    from refdof.testing import PROMISES
+
+    rows = re.findall(
+        r"^\| (\w+) \| (.*) \|$", (DOCS / "testing.md").read_text().split("<!-- promises -->")[1], re.MULTILINE
+    )
+    assert rows[1:] == list(PROMISES.items())
+
+
 def test_listed_modules_import_and_none_of_raster_is_left_out(extension):
     listed = extension.api_pages.modules()
     assert len(set(listed)) == len(listed)

@@ -66,6 +66,7 @@ def check_properties(
     InputError
         If an argument is not allowed, or hypothesis is not installed.
     """
+    __tracebackhide__ = True  # pytest shows the caller's line
     if as_function("function", function) is None:
         raise InputError("function: got None; allowed is a function")
     run = Filter(function, _as_inputs(inputs))

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.fast
 def run(folder, text, *words):
     """Lines that a run of pytest prints about a file of tests."""
     (folder / "test_mine.py").write_text(text)
-    command = [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-p", "no:cacheprovider", *PLUGIN, *words]
+    command = [sys.executable, "-m", "pytest", "--strict-markers", "-p", "no:cacheprovider", *PLUGIN, *words]
     environment = {"PYTHONPATH": str(ROOT), "COLUMNS": "200"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
     return done.stdout + done.stderr
@@ -37,7 +37,7 @@ def test_the_page_shows_what_pytest_says(tmp_path):
 def test_without_a_marker_there_is_a_test_for_each_promise(tmp_path):
     from refdof.testing import PROMISES
 
-    said = run(tmp_path, "def test_all(check_promise):\n    pass\n", "--collect-only")
+    said = run(tmp_path, "def test_all(check_promise):\n    pass\n", "-q", "--collect-only")
     assert re.findall(r"test_all\[(\w+)\]", said) == list(PROMISES)
 
 
