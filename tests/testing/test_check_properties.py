@@ -8,7 +8,7 @@ ones 1.5 - sqrt(2).
 import numpy as np
 import pytest
 
-from refdof import METHODS, InputError
+from refdof import InputError
 from refdof.methods._contract import PROMISES as PROMISES_OF_METHODS
 from refdof.testing import PROMISES, PropertyError, check_properties
 from refdof.testing.properties import PROPERTIES
@@ -236,16 +236,3 @@ def test_the_default_reach_is_that_of_methods():
     from refdof.methods._contract import REACH
 
     assert signature(check_properties).parameters["reach"].default == REACH
-
-
-def blurs():
-    return [name for name, module in METHODS.items() if module.METHOD.kind == "single image"]
-
-
-@pytest.mark.parametrize("name", blurs())
-def test_methods_keep_their_promises_on_plain_arrays(name):
-    module = METHODS[name]
-    promises = ["call", "linearity", "channels", "units", *module.METHOD.promises]
-    if name != "poisson":  # there, blur is from the nearest to the farthest surface
-        promises.append("far")
-    assert check_properties(module.blur, promises, examples=8).passed
