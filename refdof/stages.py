@@ -126,6 +126,10 @@ class StageRecorder:
         if self.on:
             self.stages |= {name: np.array(stage) for name, stage in make().items()}
 
+    def answer(self, image: Float) -> Float | Staged:
+        """`image`, with all stages recorded so far if any were wanted."""
+        return Staged(image, self.stages) if self.on else image
+
     def steps(self, count: int) -> tuple[int, ...]:
         """The steps wanted of a loop of `count`."""
         if self._wanted.steps is None:

@@ -33,7 +33,7 @@ from refdof._check import Float, as_instance, as_number
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.methods._contract import MEAN_RADIUS, Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
-from refdof.stages import StageRecorder
+from refdof.stages import Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -82,7 +82,9 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
 
 
-def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+def blur(
+    color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
+) -> Float | Staged:
     """Blur a pinhole image.
 
     Parameters
@@ -94,10 +96,12 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     coc : (H, W)
         Signed circle of confusion, radius [px]; cut at 65536 px.
     params : Params
+    stages : bool or refdof.Stages
+        Record stages, too. It has neither steps nor probes.
 
     Returns
     -------
-    (H, W, 3) of the type of `color`.
+    (H, W, 3) of the type of `color`; with stages a `Staged`, a pair of that and of the stages by name.
 
     Raises
     ------
@@ -109,7 +113,9 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     -----
     Costs two passes of as many taps as the largest circle of each row is wide.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
+    as_instance("params", params, Params)
+    recorder = StageRecorder(as_stages(stages))
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

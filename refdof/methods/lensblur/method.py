@@ -41,6 +41,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from refdof._check import Float, as_bool, as_choice, as_integer
 from refdof.methods._contract import Method
@@ -176,12 +177,13 @@ class Prepared(NamedTuple):
     choices: Choices
 
 
-def prepare(view: View, params: Params) -> Prepared:
-    """Steps 1 and 2, and the lens points."""
+def prepare(view: View, params: Params, dtype: npt.DTypeLike = np.float32) -> Prepared:
+    """Steps 1 and 2, and the lens points; `dtype` is the type of places."""
     extent, count = PEELS[params.peel], params.layers or None
     layers = view.umbra_layers(count, extent) if extent else view.layers(count)
     name = f"{params.peel} {params.layers}"
-    stack = view.product(f"lensblur stack {name}", lambda: _stack(view, layers, params))
+    of_type = f"{name} {np.dtype(dtype).name}"
+    stack = view.product(f"lensblur stack {of_type}", lambda: _stack(view, layers, params, dtype))
     values = layers.color
     if params.deferred:
         values = view.product(
@@ -217,18 +219,18 @@ def trace(view: View, scene: Prepared) -> Traced:
     return middle._replace(image=image.astype(np.float32))
 
 
-def _stack(view: View, layers: Layers, params: Params) -> Stack:
+def _stack(view: View, layers: Layers, params: Params, dtype: npt.DTypeLike) -> Stack:
     """The layers packed, with N-buffers. Samples are extended as far as they hide others in peeling, and a little."""
     extent = PEELS[params.peel]
     extension = 0.5 * extent + _FALL if extent else 0.0
-    return new_stack(_parallax_of_layers(view, layers), extension, params.layers == 0, _BLOCK)
+    return new_stack(_parallax_of_layers(view, layers, dtype), extension, params.layers == 0, _BLOCK)
 
 
-def _parallax_of_layers(view: View, layers: Layers) -> Float:
-    """P E / depth (N, H, W) float32 [px]; -inf where empty."""
+def _parallax_of_layers(view: View, layers: Layers, dtype: npt.DTypeLike = np.float32) -> Float:
+    """P E / depth (N, H, W) [px]; -inf where empty."""
     parallax = _parallax(view, layers.depth)
     parallax[layers.triangle < 0] = -np.inf
-    return parallax.astype(np.float32)
+    return parallax.astype(dtype)
 
 
 def _parallax(view: View, depth: Any) -> Float:

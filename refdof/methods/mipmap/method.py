@@ -50,7 +50,7 @@ from refdof.methods._image_validation import as_images, within
 from refdof.methods.mipmap.anisotropic import begin, depth_of_chain, downsample, foreground_blur, new_chain
 from refdof.methods.mipmap.upsample import CIRCLE, K_SIGMA, smooth_blur, upsample
 from refdof.raster.gpu.gpu_model import LLVMPIPE, store
-from refdof.stages import StageRecorder
+from refdof.stages import Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -118,7 +118,9 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     return _blur(pinhole.color, coc, params, recorder)
 
 
-def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+def blur(
+    color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
+) -> Float | Staged:
     """Blur a pinhole image.
 
     Parameters
@@ -130,10 +132,12 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     coc : (H, W)
         Signed circle of confusion, **radius** [px]: the paper's C is twice its size.
     params : Params
+    stages : bool or refdof.Stages
+        Record stages, too. It has neither steps nor probes.
 
     Returns
     -------
-    (H, W, 3) of the type of `color`.
+    (H, W, 3) of the type of `color`; with stages a `Staged`, a pair of that and of the stages by name.
 
     Raises
     ------
@@ -147,10 +151,11 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     blur wider than the picture is cut.
     """
     as_instance("params", params, Params)
+    recorder = StageRecorder(as_stages(stages))
     color, depth, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:
         raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")
-    return _blur(color, coc, params, StageRecorder())
+    return recorder.answer(_blur(color, coc, params, recorder))
 
 
 def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

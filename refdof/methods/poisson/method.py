@@ -116,7 +116,7 @@ def blur(
     recorder = StageRecorder(as_stages(stages))
     color, scaled, coc = as_images(color, depth, coc)
     image = _blur(color, _in_unit_of_planes(params, depth, scaled), coc, params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    return recorder.answer(image)
 
 
 def coded_and_small(color: Float, depth: Float, coc: Float, params: Params) -> tuple[Float, Float]:

@@ -45,7 +45,7 @@ from refdof.image.channels import joined
 from refdof.methods._contract import LARGEST_RADIUS, Method
 from refdof.methods._image_validation import as_images, within
 from refdof.methods.pyramidal.pyramid import blurred, empty_levels, filled, level_count
-from refdof.stages import StageRecorder
+from refdof.stages import Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -100,7 +100,9 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     return _blur(view.pinhole().color, within(np.float32, view.coc_px()), params, recorder)
 
 
-def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+def blur(
+    color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
+) -> Float | Staged:
     """Blur a pinhole image.
 
     Parameters
@@ -112,10 +114,12 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     coc : (H, W)
         Signed circle of confusion, radius [px].
     params : Params
+    stages : bool or refdof.Stages
+        Record stages, too. It has neither steps nor probes.
 
     Returns
     -------
-    (H, W, 3) of the type of `color`.
+    (H, W, 3) of the type of `color`; with stages a `Staged`, a pair of that and of the stages by name.
 
     Raises
     ------
@@ -124,8 +128,9 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
         above 0.
     """
     as_instance("params", params, Params)
+    recorder = StageRecorder(as_stages(stages))
     color, depth, coc = as_images(color, depth, coc)
-    return _blur(color, coc, params, StageRecorder())
+    return recorder.answer(_blur(color, coc, params, recorder))
 
 
 def _units(fill: Sequence[float], soften: Sequence[float]) -> float:

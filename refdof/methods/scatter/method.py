@@ -35,7 +35,7 @@ from refdof._jit.texel_registers import add_share, lay_share
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_range, within
 from refdof.methods.scatter.disc import LARGEST_DISC, covered_in_row, inner_count, outer_count, start_of_arc
-from refdof.stages import StageRecorder
+from refdof.stages import Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
@@ -87,7 +87,9 @@ def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
 
 
-def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> Float:
+def blur(
+    color: Float, depth: Float, coc: Float, params: Params = Params(), stages: bool | Stages = False
+) -> Float | Staged:
     """Blur a pinhole image.
 
     Parameters
@@ -99,10 +101,12 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     coc : (H, W)
         Signed circle of confusion, **radius** [px]; the paper's is a diameter. Cut at 65536 px.
     params : Params
+    stages : bool or refdof.Stages
+        Record stages, too. It has neither steps nor probes.
 
     Returns
     -------
-    (H, W, 3) of the type of `color`.
+    (H, W, 3) of the type of `color`; with stages a `Staged`, a pair of that and of the stages by name.
 
     Raises
     ------
@@ -114,7 +118,9 @@ def blur(color: Float, depth: Float, coc: Float, params: Params = Params()) -> F
     -----
     Costs O(H W r^2) for circles of radius r. Energy is kept where all circles are alike, away from the border.
     """
-    return _blur(*as_images(color, depth, coc), as_instance("params", params, Params), StageRecorder())
+    as_instance("params", params, Params)
+    recorder = StageRecorder(as_stages(stages))
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

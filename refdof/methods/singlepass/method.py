@@ -112,7 +112,7 @@ def blur(
     recorder, given = StageRecorder(as_stages(stages)), depth
     color, depth, coc = as_images(color, depth, coc)
     image = _blur(color, depth, coc, np.asarray(given), params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    return recorder.answer(image)
 
 
 def _blur(color: Float, depth: Float, coc: Float, given_depth: Float, params: Params, recorder: StageRecorder) -> Float:
