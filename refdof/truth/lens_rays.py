@@ -35,6 +35,8 @@ from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 __all__ = ["Aim", "Traversal", "trace_block"]
 
 _UNIT = 2.0**-32
+_LEAST = 1e-18  # of a direction: of what is smaller and below 0, Embree takes the inverse for above 0, and rays go astray
+_NEAREST = float(np.finfo(np.float32).tiny)  # depth: what lies in the plane of the lens is not seen
 _FINE = 16  # so many times as many cells as share a packet: fewer are too far apart
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR
 _DX, _DY, _DZ, _FAR = Row.DIR_X, Row.DIR_Y, Row.DIR_Z, Row.TFAR
@@ -170,7 +172,7 @@ def _fill_constants(packets, integers):
     for k in range(len(packets)):
         for lane in range(LANES):
             packets[k, _Z, lane] = 0.0
-            packets[k, _NEAR, lane] = 0.0
+            packets[k, _NEAR, lane] = _NEAREST
             packets[k, _DZ, lane] = -1.0
             integers[k, _MASK, lane] = -1
             integers[k, _INST, lane] = -1
@@ -266,8 +268,9 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
             source = entry if cells == 1 else (entry & (cells - 1)) * strands + (entry >> shift)
             packets[k, _X, lane] = rays[0, source]
             packets[k, _Y, lane] = rays[1, source]
-            packets[k, _DX, lane] = rays[2, source]
-            packets[k, _DY, lane] = rays[3, source]
+            dx, dy = rays[2, source], rays[3, source]
+            packets[k, _DX, lane] = dx if abs(dx) >= _LEAST else 0.0
+            packets[k, _DY, lane] = dy if abs(dy) >= _LEAST else 0.0
             packets[k, _FAR, lane] = np.inf
             integers[k, _GEOM, lane] = -1
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import refdof
-from refdof import ThinLens
+from refdof import Part, ThinLens
 from tests import flat_scene
 from tests.closed_forms import half_disc
 
@@ -117,3 +117,28 @@ def test_focus_at_the_largest_numbers():
         for focus in (1.5e308, math.inf)
     ]
     np.testing.assert_array_equal(*images)  # 1 / focus is below every digit of the rest
+
+
+@pytest.mark.parametrize("radius", [1e-17, 1e-19, 1e-30, 1e-40])
+def test_a_lens_of_hardly_any_radius_is_a_pinhole(radius):
+    # In the middle row rays go up or down by less than 1e-17, which must not make them miss what the others meet.
+    shot, random = flat_scene.camera(9, 5, 8.0), np.random.default_rng(1)
+    cards = [
+        flat_scene.rectangle(x - 4.5, x - 3.5, y - 2.5, y - 1.5, 8.0, tuple(random.random(3)))
+        for x in range(9)
+        for y in range(5)
+    ]
+    scene = flat_scene.scene_of(cards, shot)
+    # One replicate, so that rays of neighbouring pixels share a packet.
+    sharp, tiny = (
+        refdof.render("accumulation", scene, lens=ThinLens(e, 16.0), samples=4).image for e in (0.0, radius)
+    )
+    np.testing.assert_array_equal(tiny, sharp)
+
+
+def test_what_lies_in_the_plane_of_the_lens_is_not_seen():
+    shot = flat_scene.camera(4, 3, 4.0)
+    flat = Part([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]], flat_scene.paint((9.0, 9.0, 9.0)))
+    wall = flat_scene.rectangle(-9, 9, -9, 9, 2.0, CARD)
+    for radius in (0.0, 0.25):
+        assert (picture([flat, wall], shot, ThinLens(radius, 1.0), samples=16).image == np.float32(CARD)).all()

@@ -19,6 +19,7 @@ __all__ = ["Layering", "cluster_layers", "deviation", "filter_layers", "inverse_
 
 _BINS = 4096  # of the histogram that k-means runs on
 _ROUNDS = 100
+_ROUNDING = 1e-6  # of a circle: one this little beyond an anchor makes no further layer
 
 
 class Layering(NamedTuple):
@@ -111,9 +112,9 @@ def _anchor(n: int, sigma_step: float) -> float:
 
 
 def _steps_to(coc: float, sigma_step: float, largest: float) -> int:
-    """The smallest n whose outer anchor is not below the circle `coc` [px]."""
-    n = 0
-    while _anchor(n, sigma_step) < min(coc, 2.0 * largest):
+    """The smallest n whose outer anchor is not below the circle `coc` [px], but for roundings."""
+    n, reach = 0, min(coc, 2.0 * largest) * (1.0 - _ROUNDING)
+    while _anchor(n, sigma_step) < reach:
         n += 1
     return n
 
