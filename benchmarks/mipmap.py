@@ -96,7 +96,7 @@ def baseline_rows(context, name, width, height, rounds):
     work, textures, uniforms = listing.upload(context, coded, poisson.shrink(coded), params.max_radius)
     point = np.zeros((33, 33, 3))
     point[16, 16] = 1.0
-    disc = scatter.blur(point, np.ones((33, 33)), np.full((33, 33), EVEN))[..., :1].astype(np.float32)
+    disc = np.asarray(scatter.blur(point, np.ones((33, 33)), np.full((33, 33), EVEN)))[..., :1].astype(np.float32)
     box = np.ones(2 * int(EVEN) - 1, dtype=np.float32) / np.float32(2 * EVEN - 1)
 
     def two_passes():

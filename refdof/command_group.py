@@ -46,6 +46,11 @@ COMMANDS: dict[str, Home] = {
     "score": Home("frame_cli", "add_frames", "Score pictures made elsewhere with all metrics."),
     "sweep": Home("sweep_cli", "add_sweep", "Measure methods with many settings: speed against accuracy."),
     "claims": Home("claims_cli", "add_claims", "Hold what the papers claim against what is measured."),
+    "stability": Home(
+        "stability_cli",
+        "add_stability",
+        "Run every method at the numerical extremes.",
+    ),
     "warm": Home(
         "main_cli",
         "add_main",

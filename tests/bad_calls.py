@@ -752,7 +752,7 @@ DOORS |= {
 
 # After validation: helpers of kernels and methods, and records that come out.
 INNER_MODULES = {
-    "claims", "claims_cli",
+    "claims", "claims_cli", "stability", "stability_cli",
     "testing.compared", "testing.filter", "testing.metamorphic", "testing.picture", "testing.plugin",
     "testing.pointwise", "testing.properties", "testing.report", "testing.search", "testing.shrink",
     "cli", "command_group", "comparison", "explain", "explain_cli", "field_strip", "report", "metrics.flip_worker",
@@ -963,6 +963,7 @@ def public_names() -> dict[str, Any]:
             "scene.gltf",
             "scene.kit",
             "claims",
+            "stability",
             "report",
             "sweep",
             "oracle",

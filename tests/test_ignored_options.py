@@ -108,6 +108,7 @@ HEEDED = {
     "filter": "color depth depth-kind near far coc reference methods out crop set preset threads json",
     "score": "variance threads json",
     "claims": "source only threads json",
+    "stability": "methods only html threads json",
     "warm": "",
     "golden": "out level methods update exr threads json",
     "check": "pack results impl shader only shard not-supported waivers html json junit",

@@ -35,7 +35,7 @@ from refdof.raster.rays.surfaces import borrow_surfaces, intersect
 __all__ = ["Aim", "Traversal", "trace_block"]
 
 _UNIT = 2.0**-32
-_LEAST = 1e-18  # of a direction: of what is smaller and below 0, Embree takes the inverse for above 0, and rays go astray
+_LEAST = 1e-18  # of a slope: Embree inverts a smaller one as if it were above 0, and where it is not, rays go astray
 _NEAREST = float(np.finfo(np.float32).tiny)  # depth: what lies in the plane of the lens is not seen
 _FINE = 16  # so many times as many cells as share a packet: fewer are too far apart
 _X, _Y, _Z, _NEAR = Row.ORG_X, Row.ORG_Y, Row.ORG_Z, Row.TNEAR

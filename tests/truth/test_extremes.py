@@ -130,9 +130,7 @@ def test_a_lens_of_hardly_any_radius_is_a_pinhole(radius):
     ]
     scene = flat_scene.scene_of(cards, shot)
     # One replicate, so that rays of neighbouring pixels share a packet.
-    sharp, tiny = (
-        refdof.render("accumulation", scene, lens=ThinLens(e, 16.0), samples=4).image for e in (0.0, radius)
-    )
+    sharp, tiny = (refdof.render("accumulation", scene, lens=ThinLens(e, 16.0), samples=4).image for e in (0.0, radius))
     np.testing.assert_array_equal(tiny, sharp)
 
 
