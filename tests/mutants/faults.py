@@ -51,19 +51,7 @@ _OTHER_FUNCTION = {
 }
 _DROPPED = {"abs", "sqrt", "fabs", "absolute"}
 # Order means nothing to these, or both orders fail alike.
-_UNORDERED = {
-    "min",
-    "max",
-    "minimum",
-    "maximum",
-    "hypot",
-    "isinstance",
-    "zip",
-    "print",
-    "gcd",
-    "isclose",
-    "array_equal",
-}
+_UNORDERED = {"min", "max", "minimum", "maximum", "hypot", "isinstance", "zip", "print", "gcd", "array_equal"}
 # Lines on which only speed or memory depends: sizes of blocks and caches, numbers of threads.
 _SPEED = re.compile(r"BLOCK\b|_CHUNK\b|maxsize|thread_count|threads=|_TREE\b|\bborrow\(|workers|_BATCH\b|progress")
 _A_KIND = 6  # of a sample, the part that one kind may have at most is one in ...
@@ -150,9 +138,7 @@ class _Finder(ast.NodeVisitor):
 
     def _operator(self, left: ast.expr, operator: ast.AST, right: ast.expr) -> None:
         """Swap the operator between two expressions, on whichever line it stands."""
-        if type(operator) not in _SWAPPED or any(
-            isinstance(side, ast.JoinedStr) or _is_word(side) for side in (left, right)
-        ):
+        if type(operator) not in _SWAPPED or _is_word(left) or _is_word(right):
             return
         old, new = _SWAPPED[type(operator)]
         for line in range(left.end_lineno or 0, right.lineno + 1):
@@ -257,9 +243,8 @@ class _Finder(ast.NodeVisitor):
         name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
         if name in _OTHER_FUNCTION and function.lineno == function.end_lineno:
             end = function.end_col_offset or 0
-            self._add(
-                f"{name} to {_OTHER_FUNCTION[name]}", function.lineno, end - len(name), end, _OTHER_FUNCTION[name]
-            )
+            other = _OTHER_FUNCTION[name]
+            self._add(f"{name} to {other}", function.lineno, end - len(name), end, other)
         if name in _DROPPED and len(node.args) == 1 and (text := self._text(node.args[0])) is not None:
             self._replace(f"{name} dropped", node, f"({text})")
         if name in ("range", "prange") and (text := self._text(node.args[-1])) is not None:
@@ -281,7 +266,7 @@ class _Finder(ast.NodeVisitor):
 
 
 def _is_word(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
 def _pairs(sides: list[ast.expr], operators: list[ast.cmpop]) -> Iterator[tuple[ast.expr, ast.cmpop, ast.expr]]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from tests.mutants.faults import Fault
 
-__all__ = ["compiled_files", "dependents", "fast_tests"]
+__all__ = ["compiled_files", "dependents", "fast_tests", "module_of"]
 
 _MOST_S = 400.0  # of tests for one fault, measured as they were noted
 _FARTHEST = 3
@@ -38,7 +38,7 @@ def fast_tests(fault: Fault, seen: dict[str, Any]) -> list[str]:
 
 def compiled_files(fault: Fault, root: Path) -> list[str]:
     """Files of tests in the fault's folder, all of them, and those that import its module."""
-    module = fault.path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+    module = module_of(fault.path)
     ranked = []
     for path in sorted((root / "tests").rglob("test_*.py")):
         name = path.relative_to(root).as_posix()
@@ -52,21 +52,19 @@ def compiled_files(fault: Fault, root: Path) -> list[str]:
 
 def dependents(package: Path, path: str) -> set[str]:
     """Last names of the modules that import a module, by whatever way, and its own."""
-    modules = {
-        file.relative_to(package.parent)
-        .as_posix()
-        .removesuffix(".py")
-        .replace("/", ".")
-        .removesuffix(".__init__"): file
-        for file in package.rglob("*.py")
-    }
-    reached = {path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")}
+    modules = {module_of(file.relative_to(package.parent).as_posix()): file for file in package.rglob("*.py")}
+    reached = {module_of(path)}
     imports = {name: _imports(file) for name, file in modules.items()}
     while True:
         more = {name for name, others in imports.items() if others & reached} - reached
         if not more:
             return {name.split(".")[-1] for name in reached}
         reached |= more
+
+
+def module_of(path: str) -> str:
+    """The name by which a file of the package is imported."""
+    return path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
 
 
 def _distance(path: str, test: str) -> int:

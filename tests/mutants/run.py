@@ -28,7 +28,7 @@ from typing import Any
 
 from tests.mutants import page
 from tests.mutants.faults import Fault, planted, sample
-from tests.mutants.pick import compiled_files, dependents, fast_tests
+from tests.mutants.pick import compiled_files, dependents, fast_tests, module_of
 
 ROOT = Path(__file__).parents[2]
 SEED = 20
@@ -36,7 +36,6 @@ ROOMS = {"optics": 26, "raster": 26, "methods": 34, "metrics": 12, "oracle": 24,
 _LEFT_OUT = (".git", ".venv", "out", "build", "__pycache__", "*.egg-info", ".*_cache", ".hypothesis")
 _COMPILED_S = 420.0  # for the compiled tests of one fault; what is not caught by then counts as survived
 _FAST_S = 900.0
-_NOT_FOR_FAULTS = r"tests/(studio|cluster|scene|sweep|focus|ports|gl|mutants|_jit|image)/"
 
 
 def drawn(seed: int) -> list[Fault]:
@@ -71,11 +70,20 @@ def _surroundings(root: Path, **more: str) -> dict[str, str]:
     }
 
 
+def _machine_code(root: Path, surroundings: dict[str, str]) -> Path | None:
+    """Where a tree's compiled kernels are kept; None: it cannot be imported."""
+    words = "from refdof._jit.compile import cache_folder; print(cache_folder())"
+    done = subprocess.run(
+        [sys.executable, "-c", words], cwd=root, env=surroundings, text=True, capture_output=True, check=False
+    )
+    return Path(done.stdout.strip()) if done.returncode == 0 else None
+
+
 class Bench:
     """A copy of the tree in which faults are planted one after the other."""
 
-    def __init__(self, folder: Path, seen: dict[str, Any], cache: Path) -> None:
-        self.root, self.seen, self.cache = folder / "tree", seen, cache
+    def __init__(self, folder: Path, seen: dict[str, Any], cache: Path, sound: Path | None) -> None:
+        self.root, self.seen, self.cache, self.sound = folder / "tree", seen, cache, sound
         shutil.copytree(ROOT, self.root, ignore=shutil.ignore_patterns(*_LEFT_OUT))
         self.first = folder / "first.json"
 
@@ -114,23 +122,20 @@ class Bench:
         if not files:
             return {}
         surroundings = _surroundings(self.root, REFDOF_CACHE_DIR=str(self.cache))
-        folder = "from refdof._jit.compile import cache_folder; print(cache_folder())"
-        words = subprocess.run(
-            [sys.executable, "-c", folder], cwd=self.root, env=surroundings, text=True, capture_output=True, check=False
-        )
-        if words.returncode == 0:
-            self._fill(Path(words.stdout.strip()), fault)
+        folder = _machine_code(self.root, surroundings)
+        if folder and self.sound:
+            self._fill(folder, fault)
         found = self._pytest(files, surroundings, _COMPILED_S, "compiled", fault)
-        if words.returncode == 0:
-            shutil.rmtree(words.stdout.strip(), ignore_errors=True)
+        if folder:
+            shutil.rmtree(folder, ignore_errors=True)
         return found
 
     def _fill(self, folder: Path, fault: Fault) -> None:
         """Give the changed package the machine code that the change cannot reach."""
         stale = tuple(f"{name}." for name in dependents(self.root / "refdof", fault.path))
-        for file in (self.cache / "sound").glob("*.nbc"):
+        for file in (self.sound or folder).glob("*.nbc"):
             if not file.name.startswith(stale) and not (folder / file.name).exists():
-                os.link(file, folder / file.name)
+                shutil.copy2(file, folder / file.name)
 
     def _pytest(
         self, tests: list[str], surroundings: dict[str, str], limit: float, stage: str, fault: Fault
@@ -145,11 +150,8 @@ class Bench:
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
-            return {
-                "outcome": "hang" if stage == "interpreted" else "survived",
-                "stage": stage + ", stopped",
-                "test": "",
-            }
+            outcome = "hang" if stage == "interpreted" else "survived"
+            return {"outcome": outcome, "stage": f"{stage}, stopped", "test": ""}
         failed = [line.split(" ", 1)[1] for line in words.split("\n") if line.startswith(("FAILED ", "ERROR "))]
         test = failed[0].split(" - ")[0] if failed else ""
         if process.returncode == 1:
@@ -158,9 +160,8 @@ class Bench:
             return {"outcome": "survived", "stage": stage, "test": ""}
         if process.returncode < 0:
             return {"outcome": "crash", "stage": stage, "test": f"signal {-process.returncode}"}
-        module = fault.path[: -len(".py")].replace("/", ".").removesuffix(".__init__")
         found = subprocess.run(
-            [sys.executable, "-c", f"import refdof, {module}"],
+            [sys.executable, "-c", f"import refdof, {module_of(fault.path)}"],
             cwd=self.root, env=surroundings, capture_output=True, check=False,
         )  # fmt: skip
         if found.returncode:
@@ -207,7 +208,7 @@ def main() -> None:
             folder = work / f"bench{number}"
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)
-            bench = Bench(folder, seen, work / "cache")
+            bench = Bench(folder, seen, work / "cache", _machine_code(ROOT, _surroundings(ROOT)))
             while True:
                 try:
                     fault = waiting.get_nowait()
@@ -223,9 +224,8 @@ def main() -> None:
             thread.start()
         for thread in threads:
             thread.join()
-    page.write(
-        ROOT / "docs", [results_of(log)[fault.name] for fault in faults if fault.name in results_of(log)], chosen.seed
-    )
+    past = results_of(log)
+    page.write(ROOT / "docs", [past[fault.name] for fault in faults if fault.name in past], chosen.seed)
 
 
 if __name__ == "__main__":
