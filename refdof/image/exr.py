@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stdout, suppress
 from pathlib import Path
 from threading import Lock
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,17 @@ from refdof._files import as_plain_file
 __all__ = ["DECODERS_RAISE", "MOST_PIXELS", "is_deep", "read_layers", "save_channels"]
 
 # What decoders of files raise.
-DECODERS_RAISE = (OSError, ValueError, RuntimeError, EOFError, SyntaxError, TypeError, MemoryError, OverflowError)
+DECODERS_RAISE = (
+    OSError,
+    ValueError,
+    RuntimeError,
+    EOFError,
+    SyntaxError,
+    TypeError,
+    MemoryError,
+    OverflowError,
+    TokenError,  # NumPy, of a header that it takes for one of Python 2
+)
 MOST_PIXELS = 2**26  # of a picture that is read
 _MOST_SIDE = 32768  # px, as of a camera
 _MOST_BYTES = 2**31
