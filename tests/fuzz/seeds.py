@@ -2,6 +2,7 @@
 
 import shutil
 import tempfile
+import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,8 @@ reason = "a driver"
 url = "https://example.org/1"
 expires = 2027-01-31
 """
+_SCENE = (ROOT / "data" / "scenes" / "fence.toml").read_bytes()
+NUMBERS = tuple(tomllib.loads(_SCENE.decode())["numbers"])  # that a scene's generator needs
 _FOCUS = b"[[point]]\ntriangle = 3\nbarycentrics = [0.2, 0.3, 0.5]\n"
 
 
@@ -102,6 +105,10 @@ def obj_files() -> list[bytes]:
 
 def off_files() -> list[bytes]:
     return [_OFF]
+
+
+def scenes() -> list[bytes]:
+    return [_SCENE]
 
 
 def waivers() -> list[bytes]:

@@ -86,7 +86,7 @@ def _text(data: bytes) -> str:
 
 
 def _shot(data: bytes) -> object:
-    return parse_shot("a.toml", data.decode("utf-8", "replace"), ("a", "b"))
+    return parse_shot("a.toml", data.decode("utf-8", "replace"), seeds.NUMBERS)
 
 
 def _words(data: bytes) -> object:
@@ -157,7 +157,7 @@ TARGETS = {
     "exr": Target(seeds.pictures("exr"), _through_file("a.exr", load_image)),
     "hdr": Target(seeds.radiance, _through_file("a.hdr", load_image)),
     "npy": Target(seeds.pictures("npy"), _through_file("a.npy", load_image)),
-    "scene_toml": Target(seeds.files("data/scenes/*.toml"), _shot),
+    "scene_toml": Target(seeds.scenes, _shot),
     "lens_toml": Target(seeds.files("data/lenses/*.toml"), _through_file("a.toml", load_lens)),
     "lens_dat": Target(seeds.pbrt_files, _through_file("a.dat", load_lens)),
     "lens_zmx": Target(seeds.zemax_files, _through_file("a.zmx", load_lens)),

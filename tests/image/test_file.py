@@ -127,6 +127,13 @@ def test_damaged_and_missing_files_are_named(tmp_path, image, suffix):
         load_image(path)
 
 
+def test_a_header_that_python_cannot_take_apart_is_refused(tmp_path):
+    words = b"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4"
+    (tmp_path / "image.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(words).to_bytes(2, "little") + words)
+    with pytest.raises(InputError, match=r"path: cannot read .*; allowed is an image file"):
+        load_image(tmp_path / "image.npy")
+
+
 def test_a_crash_leaves_the_old_file_and_nothing_else(tmp_path):
     target = tmp_path / "table.md"
     target.write_text("old")

@@ -266,6 +266,8 @@ def test_every_file_tells_what_it_shows(name):
         ("count = 3", "count = 'many'", "a.toml: count: got 'many'"),
         ('title = "t"', "title = 3", "a.toml: title: got 3"),
         ("[lens]", "[lens", "a.toml: got"),
+        ("seed = 1", "seed = " + "9" * 5000, "a.toml: got"),
+        ("seed = 1", "seed = " + "[" * 5000, "a.toml: is nested too deep"),
     ],
 )
 def test_a_bad_file_is_refused_by_name(old, new, words):

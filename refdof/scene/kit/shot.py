@@ -5,7 +5,6 @@ the random numbers, and [numbers] for the scene's generator; and, if it matters,
 """
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from refdof._check import InputError, as_color, as_integer, as_number
+from refdof._toml import parse
 from refdof.optics.aperture import Aperture
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
@@ -86,10 +86,7 @@ def _folder() -> Traversable:
 
 def parse_shot(file: str, text: str, numbers: Iterable[str]) -> Shot:
     """Like `read_shot`, from the text of `file`."""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{file}: got {error}; allowed is a TOML file") from None
+    table = parse(file, text, "a shot")
     _keys(file, table, _TOP, ("order",))
     light, camera, lens = (_table(file, table, key) for key in ("light", "camera", "lens"))
     _keys(f"{file}: light", light, _LIGHT)
