@@ -1,5 +1,6 @@
 # refdof: every task sets up .venv by itself; it needs git, make and Python 3.11 or newer.
 PYTHON ?= python3
+SECONDS ?= 600
 BIN := .venv/bin
 # A worker per core, two threads each: several tests compare one thread with two. Files stay whole, so that a file's
 # shared references are rendered once.
@@ -22,6 +23,12 @@ test: .venv/test  ## every test, compiled
 
 fast: .venv/test  ## tests that are quick without compiling, on tiny pictures
 	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "fast and not long"
+
+mutants: .venv/test  ## plant faults and see which tests find them, about an hour; then docs/mutants.md
+	$(BIN)/python -m tests.mutants.run --jobs 2
+
+fuzz: .venv/fuzz  ## spoil what files and options hold, for SECONDS (600); findings are kept in build/fuzz/
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.fuzz.run --seconds $(SECONDS)
 
 bounds: .venv/test  ## of the same tests those of kernels, compiled with bounds checks
 	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast" $(shell cat .ci/kernel_rooms)
@@ -74,6 +81,10 @@ clean:  ## remove the virtual environment and what was built
 	$(BYTECODE)
 	touch $@
 
+.venv/fuzz: .venv/test
+	$(INSTALL) '.[fuzz]'
+	touch $@
+
 .venv/optiland: .venv/test
 	$(INSTALL) '.[optiland]'
 	touch $@
@@ -88,4 +99,4 @@ optiland: .venv/optiland  ## install optiland (1.3 GB) and make the stored rays 
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds lint bench docs wheel readme new-method new-scene clean peers optiland
+.PHONY: help compare test fast bounds mutants fuzz lint bench docs wheel readme new-method new-scene clean peers optiland
