@@ -89,7 +89,8 @@ def main() -> int:
         done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, errors="replace", check=False)
         runs, edges = figures(done.stderr)
         print(
-            f"{name}: {runs} inputs in {each} s, {edges} edges, {'nothing found' if not done.returncode else 'FOUND'}"
+            f"{name}: {runs} inputs in {each} s, {edges} edges, {'nothing found' if not done.returncode else 'FOUND'}",
+            flush=True,
         )
         if done.returncode:
             found = 1

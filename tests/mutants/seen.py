@@ -47,6 +47,7 @@ class Seen:
         self.out, self.calls = out, _Calls()
         self.of_fixture: dict[str, set[str]] = defaultdict(set)
         self.tests: dict[str, dict[str, Any]] = {}
+        self.failed: set[str] = set()
 
     def pytest_sessionstart(self) -> None:
         sys.settrace(self.calls)
@@ -78,10 +79,15 @@ class Seen:
                     seen |= self.of_fixture.get(f"{fixture.baseid}:{name}", set())
             self.tests[item.nodeid] = {"seconds": round(time.perf_counter() - start, 3), "seen": sorted(seen)}
 
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:  # without a fault, or for being watched: such a test tells nothing
+            self.failed.add(report.nodeid)
+
     def pytest_sessionfinish(self) -> None:
         sys.settrace(None)
         threading.settrace(None)  # type: ignore[arg-type]
-        self.out.write_text(json.dumps(self.tests), encoding="utf-8")
+        kept = {name: facts for name, facts in self.tests.items() if name not in self.failed}
+        self.out.write_text(json.dumps(kept), encoding="utf-8")
 
 
 class First:
