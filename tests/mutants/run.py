@@ -144,7 +144,7 @@ class Bench:
     def _pytest(
         self, tests: list[str], surroundings: dict[str, str], limit: float, stage: str, fault: Fault
     ) -> dict[str, Any]:
-        command = [*_PYTEST, "-x", "--tb=line", "-rf", *tests]
+        command = [*_PYTEST, "-x", "--tb=line", "-rfE", *tests]
         process = subprocess.Popen(
             command, cwd=self.root, env=surroundings, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             start_new_session=True,
