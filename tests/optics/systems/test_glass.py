@@ -75,6 +75,13 @@ def test_bad_glass(words, start):
         Glass("bad", **words)
 
 
+def test_up_to_six_coefficients():
+    # Six equal terms: n^2 = 1 + 6 b / (1 - c) at 1 um.
+    assert Glass("six", b=(0.2,) * 6, c=(0.01,) * 6).index(1.0) == pytest.approx(math.sqrt(1.0 + 1.2 / 0.99), rel=1e-14)
+    with pytest.raises(InputError, match=r"^b: got tuple; allowed is a list of up to 6 numbers"):
+        Glass("seven", b=(0.2,) * 7, c=(0.01,) * 7)
+
+
 def test_bad_names_and_wavelengths():
     with pytest.raises(InputError, match=r"^glass: got 'BK7'; did you mean 'N-BK7'"):
         glass_of("BK7")

@@ -11,7 +11,7 @@ from refdof._check import InputError
 from refdof._jit import JIT_DISABLED, use_threads
 from refdof.optics.systems.glass import AIR, Glass
 from refdof.optics.systems.system import LensSystem, Surface, ThickLens
-from refdof.optics.systems.trace import table_of, trace, trace_path
+from refdof.optics.systems.trace import table_of, trace, trace_path, trace_ray
 from tests.optics.systems import naive
 from tests.optics.systems.lenses import double_gauss, doublet, singlet
 
@@ -49,6 +49,21 @@ def test_skew_rays_match_the_naive_twin(name, reverse):
     assert np.abs(found.origins - points)[passed].max() < 1e-11
     assert np.abs(found.directions - ways)[passed].max() < 1e-13
     assert np.abs(np.linalg.norm(found.directions[passed], axis=1) - 1.0).max() < 1e-14
+
+
+def test_a_ray_alone_goes_through_all_surfaces():
+    system = LENSES["double gauss"]
+    table, passed = table_of(system, WAVELENGTH), 0
+    for origin, direction in zip(*skew_rays(system, 30, 8, reverse=True), strict=True):
+        unit = direction / np.linalg.norm(direction)
+        found = trace_ray(table, True, *origin, *unit)
+        point, way, through = naive.trace_one(system, origin, direction, WAVELENGTH, reverse=True)
+        assert found[6] == through
+        if through:  # as above
+            passed += 1
+            assert np.abs(np.array(found[:3]) - point).max() < 1e-11
+            assert np.abs(np.array(found[3:6]) - way).max() < 1e-13
+    assert passed > 3
 
 
 @pytest.mark.parametrize("name", LENSES)

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from refdof import Camera, Light, Material, Part, Scene, ThinLens
 from refdof._jit.compile import tile_kernel
-from refdof.raster.rays.shading import shade
+from refdof.raster.rays.shading import lit, shade
 from refdof.raster.rays.surfaces import surfaces_of
 
 pytestmark = pytest.mark.fast
@@ -23,6 +23,11 @@ def shade_all(surfaces, faces, places, directions):
         dx, dy, dz = directions[k]
         out[k, 0], out[k, 1], out[k, 2] = shade(surfaces, faces[k], places[k, 0], places[k, 1], dx, dy, dz)
     return out
+
+
+@tile_kernel
+def lit_in(surfaces, dx, dy, dz):
+    return lit(surfaces, (0.0, 0.0, 1.0), (dx, dy, dz), (0.2, 0.3, 0.4), (0.5, 0.6, 0.7), 5.0)
 
 
 MATERIALS = [
@@ -115,6 +120,19 @@ def test_colours_by_the_formulas(material, painted):
     # Attributes are float32: 6e-8 of a value up to 3, of normals and of texture coordinates. A texture of 4 texels and
     # a map of 5 grow by a few per unit, a lobe of exponent 5 by 5.
     assert_allclose(found, wanted, atol=2e-5)
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_length_of_a_direction_means_nothing(axis, sign):
+    """Rays of a huge lens are so steep that their squares overflow, along whichever axis."""
+    light = Light((0.3 * sign, 0.5 * sign, 0.8 * sign), (2.0, 1.5, 1.0), (0.2, 0.4, 0.9), (0.5, 0.1, 0.2), PAINTED)
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y=40.0, size=(8, 6))  # whose axes are the world's
+    parts = [Part(np.eye(3), [[0, 1, 2]])]
+    surfaces = surfaces_of(Scene.from_parts("one", parts, camera, ThinLens(0.1, 2.0), light=light), camera)
+    short = sign * np.eye(3)[axis]
+    look = [lit_in(surfaces, *(short * 2.0**power)) for power in (0, 498)]  # 1e150
+    assert_allclose(look[1], look[0], rtol=1e-14)  # a division by the largest part rounds
 
 
 def test_the_unit_of_length_is_a_power_of_two():
