@@ -14,7 +14,8 @@ def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
     pairs = [setting_of(text) for text in texts]
     for key, value in [*pairs, *((name, value) for name, value in options.items() if value is not None)]:
         if key in values:
-            raise InputError(f"{key}: got {values[key]!r} and {value!r}; allowed is one value")
+            got = f"{values[key]!r:.80} and {value!r:.80}"
+            raise InputError(f"{key[:80]}: got {got}; allowed is one value")
         values[key] = value
     return values
 
@@ -22,8 +23,8 @@ def settings_of(texts: list[str], **options: Any) -> dict[str, Any]:
 def setting_of(text: str) -> tuple[str, Any]:
     """'key=value' as a name and a number, a truth value or a word."""
     key, equals, value = text.partition("=")
-    if not equals or not key:
-        raise InputError(f"set: got {text!r}; allowed is KEY=VALUE")
+    if not equals or not key or not key.isprintable():
+        raise InputError(f"set: got {text[:80]!r}; allowed is KEY=VALUE")
     for parse in (int, float, {"true": True, "false": False, "None": None}.__getitem__):
         try:
             return key, parse(value)
@@ -39,7 +40,7 @@ def settings_by_method(texts: list[str], methods: list[str], presets: list[str])
         method, dot, field = key.partition(".")
         if not dot or method not in params:
             known = f", METHOD one of {', '.join(methods)}"
-            raise InputError(f"set: got '{key}={value}'; allowed is METHOD.KEY=VALUE{known}")
+            raise InputError(f"set: got {f'{key}={value}'[:80]!r}; allowed is METHOD.KEY=VALUE{known}")
         params[method][field] = value
     for method, values in params.items():
         for preset in presets:

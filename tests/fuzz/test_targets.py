@@ -40,6 +40,20 @@ def test_seeds_are_read_and_spoilt_ones_refused_or_read(name):
     assert any(answers) or name == "texture"  # one that is broken is left out
 
 
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("settings", b"multiv\x01.sam\x0b\x0b=inf"),  # an error with the line breaks of what was given
+        ("settings", b"a\x0bb=1\na\x0bb=2"),
+        ("npy", b"\x93NUMPY\x01\x00\x10\x00{'shape': (3, 4 "),  # NumPy's parser of old headers
+        ("scene_toml", b"a = " + b"[" * 5000),
+        ("scene_toml", b"a = " + b"9" * 5000),
+    ],
+)
+def test_what_fuzzing_found(name, data):
+    assert refused(TARGETS[name], data)
+
+
 def test_every_target_says_what_is_watched():
     assert list(ROOMS) == list(TARGETS)
 

@@ -49,7 +49,7 @@ class Seen:
         self.tests: dict[str, dict[str, Any]] = {}
         self.failed: set[str] = set()
 
-    def pytest_sessionstart(self) -> None:
+    def _watch(self) -> None:
         sys.settrace(self.calls)
         threading.settrace(self.calls)
 
@@ -67,6 +67,7 @@ class Seen:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: Any) -> Any:
+        self._watch()  # anew each time: Hypothesis takes the interpreter's one hook for itself
         self.calls.take()
         self._kept: set[str] = set()
         start = time.perf_counter()
