@@ -1,6 +1,7 @@
 """Attributes stored in layers shade to the colours that shading at once gives, and to numbers computed by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,8 +29,8 @@ def shade_all(surfaces, attributes, directions):
 def materials():
     texture = np.linspace(0.0, 1.0, 4 * 5 * 3, dtype=np.float32).reshape(4, 5, 3)
     return [
-        Material("phong", (0.6, 0.5, 0.3), specular=(0.4, 0.4, 0.5), shininess=9.0, emission=(0.0, 0.2, 0.0)),
-        Material("unlit", texture=texture, emission=(0.0, 0.1, 0.0)),
+        Material("phong", (0.6, 0.5, 0.3), specular=(0.4, 0.4, 0.5), shininess=9.0, emission=(0.1, 0.2, 0.05)),
+        Material("unlit", texture=texture, emission=(0.2, 0.1, 0.3)),
         Material("lambert", (0.2, 0.8, 0.4)),
     ]
 
@@ -72,3 +73,17 @@ def test_by_hand():
         1.0 * (0.5 + 1.0) + 0.5 * (0.5 * lobe + 1.0),
     ]
     np.testing.assert_allclose(shade_all(surfaces, a, np.array([[1.0, 0.0, -1.0]]))[0], wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [(5, 2), (2, 5)])
+def test_what_is_transparent_gives_off_what_is_seen_through_it(size):
+    shot = flat_scene.camera(*size, 4.0)
+    pane, wall = (flat_scene.rectangle(-9, 9, -9, 9, depth) for depth in (2.0, 3.0))
+    pane = replace(pane, material=Material("unlit", (0.8, 0.4, 0.2), opacity=0.5))
+    view = View(flat_scene.scene_of([pane, wall], shot), shot, ThinLens(0.1, 2.0))
+    triangle = view.layers(2).triangle
+    found = gbuffer_of(view.surfaces(), view.projection(), triangle, view.seen_through())
+    half = 0.5 * np.array([0.8, 0.4, 0.2]) + 0.5  # of the pane, and of the white wall behind it
+    colors = found[..., 0:3] + found[..., 3:6]
+    np.testing.assert_allclose(colors[0], np.broadcast_to(half, colors[0].shape), rtol=4 * FLOAT32)
+    np.testing.assert_allclose(colors[1], 1.0, rtol=4 * FLOAT32)
