@@ -198,17 +198,18 @@ def test_neighbours_on_the_same_surface_are_blended():
     assert trace(np.full((1, 1, 3), 2.0), colors(0, 16, 32), (-0.25, 0.0), 1.0).image[0, 1, 0] == 16.0
 
 
-def test_four_texels_are_blended_bilinearly_up_to_the_last():
+@pytest.mark.parametrize("channels", [3, GBUFFER_CHANNELS])
+def test_four_texels_are_blended_bilinearly_up_to_the_last(channels):
     # A quarter to the right and an eighth down, in a picture of 3 x 3 texels; at the borders the last texel repeats.
     red = np.float32([[0, 8, 24], [64, 80, 128], [256, 272, 512]])
-    color = np.zeros((1, 3, 3, 3), np.float32)
-    color[0, ..., 0] = red
-    image = trace(np.full((1, 3, 3), 2.0), color, (0.25, -0.125), 1.0, linear=True).image[..., 0]
+    parallax, color = np.full((1, 3, 3), 2.0), np.zeros((1, 3, 3, channels), np.float32)
+    color[0, ..., 0 if channels == 3 else 3] = red  # of attributes, the light that is given off
+    image = trace(parallax, color, (0.25, -0.125), 1.0, linear=True).image[..., 0]
     wide = np.pad(red, ((0, 1), (0, 1)), mode="edge")
     across = 0.75 * wide[:, :-1] + 0.25 * wide[:, 1:]
     np.testing.assert_array_equal(image, 0.875 * across[:-1] + 0.125 * across[1:])
     # Up and to the left.
-    image = trace(np.full((1, 3, 3), 2.0), color, (-0.25, 0.125), 1.0, linear=True).image[..., 0]
+    image = trace(parallax, color, (-0.25, 0.125), 1.0, linear=True).image[..., 0]
     wide = np.pad(red, ((1, 0), (1, 0)), mode="edge")
     across = 0.75 * wide[:, 1:] + 0.25 * wide[:, :-1]
     np.testing.assert_array_equal(image, 0.875 * across[1:] + 0.125 * across[:-1])

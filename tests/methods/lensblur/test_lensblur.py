@@ -219,6 +219,11 @@ def test_bad_parameters_are_named(words, name):
         make_params("lensblur", words)
 
 
+def test_the_papers_numbers():
+    params = make_params("lensblur", {})
+    assert (params.samples, params.layers, params.iterations) == (100, 4, 3)  # [1]: of all figures
+
+
 def test_stages_are_recorded():
     stages = render_view("lensblur", cards(wall(3.0), wall(1.0, left=0.0)), True, samples=5).stages
     assert {name: array.shape for name, array in stages.items()} == {

@@ -417,6 +417,10 @@ def test_bad_parameters(words, match):
         Params(**words)
 
 
+def test_walls_from_nothing_to_infinity_are_allowed():
+    assert [Params(wall_px=wall).wall_px for wall in (0.0, 0.5, 1e29, 1e31)] == [0.0, 0.5, 1e29, np.inf]
+
+
 def test_no_geometry_in_the_range():
     view, _ = random_scene(1)
     with pytest.raises(InputError, match="near, far: got 50"):

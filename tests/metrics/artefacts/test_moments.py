@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 
 from refdof import InputError
 from refdof.metrics.artefacts import ArtefactMaps, artefacts, disc_radius, moments
-from refdof.metrics.artefacts.lamps import lamps
+from refdof.metrics.artefacts.lamps import Lamp, bokeh, lamps
 from tests.metrics.artefacts import naive
 
 pytestmark = pytest.mark.fast
@@ -161,3 +161,16 @@ def test_an_anisotropic_spot():
     found = artefacts(maps, reference, image)
     # Half axes 8 and 4: (64 - 16) / (64 + 16), pixels as above.
     assert found["bokeh_anisotropy"] == pytest.approx(48.0 / (80.0 + 2.0 / 3.0), abs=8e-3)
+
+
+@pytest.mark.parametrize("turned", [lambda a: a[:, ::-1], lambda a: a[::-1], lambda a: a.transpose(1, 0, 2)])
+def test_a_mirrored_lamp_is_the_same_lamp(turned):
+    reference, image = np.random.default_rng(8).random((2, 21, 21, 3))
+    # The ring ends at 6.5 px: at 15.75 it takes the centre of the last pixel that it cuts, at 2.75 not that of the first.
+    place = np.zeros((21, 21, 1))
+    place[9, 9] = 1.0
+    y, x = np.argwhere(turned(place)[..., 0])[0]
+    places = {9: 9.25, 11: 11.75}
+    lamp, other = Lamp(9.25, 9.25, 3.0, 4.5), Lamp(places[x], places[y], 3.0, 4.5)
+    found, wanted = bokeh([other], turned(reference), turned(image)), bokeh([lamp], reference, image)
+    assert found == pytest.approx(wanted, rel=1e-9)  # sums of a hundred numbers in another order
