@@ -166,7 +166,9 @@ def test_an_anisotropic_spot():
 @pytest.mark.parametrize("turned", [lambda a: a[:, ::-1], lambda a: a[::-1], lambda a: a.transpose(1, 0, 2)])
 def test_a_mirrored_lamp_is_the_same_lamp(turned):
     reference, image = np.random.default_rng(8).random((2, 21, 21, 3))
-    # The ring ends at 6.5 px: at 15.75 it takes the centre of the last pixel that it cuts, at 2.75 not that of the first.
+    reference[8:11, 8:11] += 5.0
+    image[7:12, 8:11] += 3.0
+    # The ring ends at 15.75, beyond the centre of the last pixel that it cuts, and begins at 2.75, beyond the first's.
     place = np.zeros((21, 21, 1))
     place[9, 9] = 1.0
     y, x = np.argwhere(turned(place)[..., 0])[0]
