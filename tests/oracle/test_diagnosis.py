@@ -142,6 +142,7 @@ def test_probes_in_which_nothing_differs_are_left_out(pack):
     shots, _ = shots_of(opened, of_function(darker), "impulses")
     lines = probe(of_function(darker), *probed(opened, shots))
     assert lines[2] == f"  taps of pixel ({x}, {y}):"
+    assert f"  weight of texel ({x}, {y}) in the pixels around it, in thousandths:" in lines
     assert ["weights sum to 1.0000" in lines[3], "weights sum to 0.5000" in lines[4]] == [True, True]
 
 

@@ -8,7 +8,11 @@ import pytest
 
 from refdof import InputError
 from refdof.oracle import Plan, check
+from refdof.oracle.cases import Case
+from refdof.oracle.expectation import expectation_of
+from refdof.oracle.files import open_pack
 from tests.oracle.small_pack import flip_bit, port, posix, resign, rewrite
+from tests.packs import pack_of
 
 pytestmark = pytest.mark.fast
 
@@ -171,3 +175,10 @@ def test_links_and_pipes_in_a_case(copied):
     image.unlink()
     os.mkfifo(image)
     assert "image.npy: is no regular file" in error_of(copied)
+
+
+@pytest.mark.parametrize("size", [(1, 5), (5, 1)])
+def test_pictures_of_one_row_or_column_are_allowed(tmp_path, size):
+    folder = pack_of([Case("line", "singlepass", "noise", size)], tmp_path / "pack")
+    expected = expectation_of(open_pack(folder), "line").parts["image"]
+    assert expected.values.shape == (*size[::-1], 3)
