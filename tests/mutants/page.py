@@ -8,7 +8,7 @@ from typing import Any
 
 from refdof.image.atomic import write_text
 
-__all__ = ["counts", "page", "write"]
+__all__ = ["counts", "page", "reasons", "write"]
 
 CAUGHT = ("caught", "hang", "crash")
 REASONS = Path(__file__).with_name("survivors.toml")
@@ -51,13 +51,19 @@ faults: the numbers above belong to the lines in that file.
 """
 
 
-def counts(rows: Rows, reasons: dict[str, dict[str, Any]]) -> dict[str, dict[str, int]]:
+def reasons() -> dict[str, dict[str, Any]]:
+    """Why faults survive, by their names."""
+    given = tomllib.loads(REASONS.read_text(encoding="utf-8")).get("survivor", [])
+    return {entry["name"]: entry for entry in given}
+
+
+def counts(rows: Rows, why: dict[str, dict[str, Any]]) -> dict[str, dict[str, int]]:
     """Of each room, and of "all": planted, caught at first, caught, and of the others those that change nothing."""
     table: dict[str, dict[str, int]] = {}
     for results in rows:
         first, last = results[0], results[-1]
         caught = last["outcome"] in CAUGHT
-        same = not caught and reasons.get(last["name"], {}).get("equivalent", False)
+        same = not caught and why.get(last["name"], {}).get("equivalent", False)
         for room in (first["room"], "all"):
             row = table.setdefault(room, dict.fromkeys(("planted", "first", "caught", "equivalent"), 0))
             row["planted"] += 1
@@ -68,9 +74,9 @@ def counts(rows: Rows, reasons: dict[str, dict[str, Any]]) -> dict[str, dict[str
     return table
 
 
-def page(rows: Rows, reasons: dict[str, dict[str, Any]], seed: int) -> str:
+def page(rows: Rows, why: dict[str, dict[str, Any]], seed: int) -> str:
     """The text of docs/mutants.md."""
-    table = counts(rows, reasons)
+    table = counts(rows, why)
     lines = [
         "| room | planted | caught at first | caught | no change | others |",
         "|---|--:|--:|--:|--:|--:|",
@@ -92,7 +98,7 @@ def page(rows: Rows, reasons: dict[str, dict[str, Any]], seed: int) -> str:
         last = results[-1]
         if last["outcome"] in CAUGHT:
             continue
-        reason = reasons.get(last["name"], {}).get("reason", "no reason is known yet")
+        reason = why.get(last["name"], {}).get("reason", "no reason is known yet")
         survivors.append(
             f"- `{last['path']}:{last['line']}`, {last['kind']}: `{last['line_before']}` became "
             f"`{last['line_after']}`. {reason}"
@@ -104,9 +110,7 @@ def page(rows: Rows, reasons: dict[str, dict[str, Any]], seed: int) -> str:
 
 def write(docs: Path, rows: Rows, seed: int) -> None:
     """Write both files."""
-    given = tomllib.loads(REASONS.read_text(encoding="utf-8")).get("survivor", [])
-    reasons = {entry["name"]: entry for entry in given}
-    write_text(docs / "mutants.md", page(rows, reasons, seed))
+    write_text(docs / "mutants.md", page(rows, reasons(), seed))
     kept = ("name", "room", "function", "kind", "line_before", "line_after", "outcome", "stage", "test")
     faults = [{**{key: results[-1][key] for key in kept}, "at_first": results[0]["outcome"]} for results in rows]
     write_text(docs / "mutants.json", json.dumps({"seed": seed, "faults": faults}, indent=1) + "\n")

@@ -196,7 +196,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--again", action="store_true", help="try survivors again")
+    parser.add_argument("--again", action="store_true", help="try survivors again, but those that change nothing")
     parser.add_argument("--fast", action="store_true", help="leave the compiled tests out")
     parser.add_argument("--only", default="", help="only faults whose path has this word")
     parser.add_argument("--page", action="store_true", help="only write the page")
@@ -211,7 +211,8 @@ def main() -> None:
             rows = past.get(fault.name)
             if chosen.only not in fault.path:
                 continue
-            if not rows or (chosen.again and rows[-1]["outcome"] == "survived"):
+            hopeless = page.reasons().get(fault.name, {}).get("equivalent", False)
+            if not rows or (chosen.again and rows[-1]["outcome"] == "survived" and not hopeless):
                 waiting.put(fault)
         seen = seen_by(work / "seen.json")
         lock = threading.Lock()

@@ -7,6 +7,11 @@ import pytest
 
 from refdof.oracle.diagnosis.probes import _grid
 from refdof.oracle.diagnosis.search import _best_whole
+from refdof.oracle.diagnosis.shots import case_shot
+from refdof.oracle.diagnosis.switches import _sizes
+from refdof.oracle.diagnosis.tap_switches import _places
+from refdof.oracle.files import open_pack
+from tests.oracle.small_pack import rewrite
 
 pytestmark = pytest.mark.fast
 
@@ -33,3 +38,28 @@ def test_weights_of_a_texel_up_to_the_corners_of_a_picture(x, y):
     assert f"texel ({x}, {y})" in first
     middle = lines[len(lines) // 2].split("|")
     assert [float(half.split()[len(lines) // 2]) for half in middle] == [1000.0, 500.0]
+
+
+def test_any_largest_size_is_fitted():
+    """A port may have any number there, and may or may not scale its circles with it."""
+    sizes = [switch for switch in _sizes() if switch.key == "max_blur_size"]
+    assert len(sizes) == 3
+    assert all(switch.fits for switch in sizes)
+
+
+def test_pixels_as_wide_as_high_or_the_other_way_round():
+    named = {}
+    for switch in _places():
+        if switch.key == "pixel_size" and not switch.fits:
+            shot = SimpleNamespace(depth=np.ones((18, 24)))
+            named |= {value: switch.words(shot, value)["words"] for value in switch.values}
+    both = [f": its pixel size is that of {size}" for size in ("24 x 24", "18 x 18", "18 x 24")]
+    assert [named[value] for value in ((0, 0), (1, 1), (1, 0))] == both
+
+
+def test_without_device_depth_the_planes_are_those_of_the_picture(copied):
+    rewrite(copied, "cases/cards/case.json", lambda about: about.pop("device_depth"))
+    opened = open_pack(copied)
+    _, shot = case_shot(opened, "cards", opened.description("cards"))
+    depth = np.load(copied / "cases" / "cards" / "inputs" / "depth.npy")
+    assert (shot.near, shot.far) == (depth.min(), depth.max())

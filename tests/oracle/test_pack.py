@@ -17,11 +17,14 @@ from refdof.oracle.case_files import ENOUGH
 from refdof.oracle.cases import Case, cases_of
 from refdof.oracle.circles import circle_bounds, size_bounds
 from refdof.oracle.device_depth import DEVICE_DEPTHS, circle_error, device_depth, inverse_depth, planes_of
+from refdof.oracle.expectation import expectation_of
+from refdof.oracle.files import open_pack
 from refdof.oracle.goldens import golden_of
 from refdof.oracle.inputs import INPUTS, ORIGINS
 from refdof.oracle.pack import goldens_digest, sha256_of
 from refdof.oracle.pictures import random
 from refdof.oracle.preview import preview_of
+from refdof.oracle.shaders.case import case_values
 from refdof.rendering import make_params
 from refdof.stages import Stages
 from tests.methods.poisson.test_params import PLANES, naive
@@ -105,6 +108,25 @@ def test_device_depth_that_is_not_enough_is_told():
     error = circle_error("depth_device", picture, planes)
     assert 0.005 < error <= 20.0 * 2.0**14 / 2.0**25
     assert error > ENOUGH
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("name", DEVICE_DEPTHS)
+def test_the_largest_error_is_that_of_one_pixel_and_has_no_sign(name):
+    picture = INPUTS["noise"](7, 5)
+    planes = planes_of(picture.depth)
+    each = [circle_error(name, picture._replace(depth=z.reshape(1, 1)), planes) for z in picture.depth.ravel()]
+    assert min(each) >= 0.0
+    assert max(each) == circle_error(name, picture, planes) > 0.0
+
+
+@pytest.mark.fast
+def test_depths_of_shaders_expressions_are_those_of_the_files(pack):
+    task = expectation_of(open_pack(pack), "cards").task
+    pictures = case_values(task, mirrored=False).pictures
+    for name, file in (("device", ""), ("reversed", "_reversed"), ("reversed_infinite", "_infinite")):
+        stored = np.fromfile(task.folder / "inputs" / f"depth_device{file}.f32", "<f4")
+        assert np.array_equal(pictures[name].astype(np.float32).ravel(), stored)
 
 
 # Circles

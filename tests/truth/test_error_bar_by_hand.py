@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from refdof.truth.error_bar import summarise, unfinished
+from refdof.truth.error_bar import _score_interval, summarise, unfinished
 
 pytestmark = pytest.mark.fast
 
@@ -103,3 +103,16 @@ def test_unfinished_pixels_in_words(seed):
     wanted &= spent == spent[wanted].min(initial=64)  # the least sampled of them
     assert_array_equal(found, wanted)
     assert found.any()
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
+@pytest.mark.parametrize("spread", [0.004, 0.05])
+def test_the_score_interval_solves_wilsons_equation(share, spread):
+    """Its ends are the shares p with |p - share| = z sqrt(p (1 - p) / n): a quadratic equation, solved by NumPy.
+
+    Light is 2 + 4 share, so that the coin's sides are 2 and 6; Student's interval is made narrower.
+    """
+    z, trials = 1.959964, share * (1.0 - share) / spread**2
+    ends = np.sort(np.roots([1.0 + z * z / trials, -2.0 * share - z * z / trials, share * share]).real)
+    found = _score_interval(2.0 + 4.0 * share, 4.0 * spread, 2.0, 6.0, 0.1)
+    assert_allclose(found, 2.0 + 4.0 * ends, rtol=1e-6)  # z has seven digits

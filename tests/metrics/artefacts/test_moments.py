@@ -163,8 +163,9 @@ def test_an_anisotropic_spot():
     assert found["bokeh_anisotropy"] == pytest.approx(48.0 / (80.0 + 2.0 / 3.0), abs=8e-3)
 
 
+@pytest.mark.parametrize("light", [1.0, 2.0**-9])
 @pytest.mark.parametrize("turned", [lambda a: a[:, ::-1], lambda a: a[::-1], lambda a: a.transpose(1, 0, 2)])
-def test_a_mirrored_lamp_is_the_same_lamp(turned):
+def test_a_mirrored_lamp_is_the_same_lamp_in_any_light(turned, light):
     reference, image = np.random.default_rng(8).random((2, 21, 21, 3))
     reference[8:11, 8:11] += 5.0
     image[7:12, 8:11] += 3.0
@@ -174,5 +175,5 @@ def test_a_mirrored_lamp_is_the_same_lamp(turned):
     y, x = np.argwhere(turned(place)[..., 0])[0]
     places = {9: 9.25, 11: 11.75}
     lamp, other = Lamp(9.25, 9.25, 3.0, 4.5), Lamp(places[x], places[y], 3.0, 4.5)
-    found, wanted = bokeh([other], turned(reference), turned(image)), bokeh([lamp], reference, image)
+    found, wanted = bokeh([other], light * turned(reference), light * turned(image)), bokeh([lamp], reference, image)
     assert found == pytest.approx(wanted, rel=1e-9)  # sums of a hundred numbers in another order

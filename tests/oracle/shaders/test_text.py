@@ -1,6 +1,8 @@
 """What is read from a shader's text and from bindings: names, dialects, layouts, expressions."""
 
 import io
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -185,3 +187,21 @@ def test_messages_hold_arrays():
     stream.seek(0)
     with pytest.raises(EOFError):
         receive(io.BytesIO(stream.read()[:-1]))
+
+
+def test_what_a_driver_prints_is_no_answer():
+    code = """
+import os
+import refdof.oracle.shaders.drawing.worker as worker
+class Drawer:
+    def compile(self, text):
+        os.write(1, b"a driver speaks")
+        return []
+worker._drawer = lambda language: Drawer()
+worker.answer_all()
+"""
+    question = io.BytesIO()
+    send(question, {"do": "compile", "language": "glsl", "text": ""}, {})
+    done = subprocess.run([sys.executable, "-c", code], input=question.getvalue(), capture_output=True, check=True)
+    assert receive(io.BytesIO(done.stdout))[0] == {"slots": []}
+    assert done.stderr == b"a driver speaks"
