@@ -132,7 +132,9 @@ def test_probes_in_which_nothing_differs_are_left_out(pack):
     shots, _ = shots_of(opened, of_function(port), "impulses")
     assert probe(of_function(port), *probed(opened, shots)) == []
 
-    y, x = np.unravel_index(np.argmax(shots[0].expected[..., 1]), shots[0].depth.shape)
+    bright = shots[0].expected[..., 1].copy()
+    np.fill_diagonal(bright, 0.0)  # so that rows and columns cannot be exchanged
+    y, x = np.unravel_index(np.argmax(bright), bright.shape)
 
     def darker(color, depth, coc, params):
         image = port(color, depth, coc, params)
