@@ -30,6 +30,7 @@ from typing import Any
 from tests.mutants import page
 from tests.mutants.faults import Fault, planted, sample
 from tests.mutants.pick import compiled_files, dependents, fast_tests, module_of
+from tests.mutants.seen import HANGS
 
 ROOT = Path(__file__).parents[2]
 SEED = 20
@@ -158,8 +159,8 @@ class Bench:
             return {"outcome": outcome, "stage": f"{stage}, stopped", "test": ""}
         failed = [line.split(" ", 1)[1] for line in words.split("\n") if line.startswith(("FAILED ", "ERROR "))]
         test = failed[0].split(" - ")[0] if failed else ""
-        if process.returncode == 1:
-            return {"outcome": "hang" if "HANGS" in words else "caught", "stage": stage, "test": test}
+        if process.returncode in (1, HANGS):
+            return {"outcome": "caught" if process.returncode == 1 else "hang", "stage": stage, "test": test}
         if process.returncode == 0:
             return {"outcome": "survived", "stage": stage, "test": ""}
         broken = {re.split("::| - ", line)[0] for line in failed}  # files that the fault keeps from being collected
