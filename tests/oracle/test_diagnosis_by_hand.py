@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from refdof.oracle.diagnosis.model import model_of
 from refdof.oracle.diagnosis.probes import _grid
-from refdof.oracle.diagnosis.search import _best_whole
+from refdof.oracle.diagnosis.search import _Bench, _best_whole
 from refdof.oracle.diagnosis.shots import case_shot
 from refdof.oracle.diagnosis.switches import _sizes
-from refdof.oracle.diagnosis.tap_switches import _places
+from refdof.oracle.diagnosis.tap_switches import _places, _spiral
 from refdof.oracle.files import open_pack
 from tests.oracle.small_pack import rewrite
 
@@ -63,3 +64,18 @@ def test_without_device_depth_the_planes_are_those_of_the_picture(copied):
     _, shot = case_shot(opened, "cards", opened.description("cards"))
     depth = np.load(copied / "cases" / "cards" / "inputs" / "depth.npy")
     assert (shot.near, shot.far) == (depth.min(), depth.max())
+
+
+def test_every_mistake_changes_the_model():
+    right = model_of({"rad_scale": 0.5, "max_blur_size": 20.0}, "down")
+    for switch in _spiral(right):
+        assert any(switch.change(right, value) != right for value in switch.values), switch.key
+
+
+def test_pixels_are_shared_among_pictures(pack):
+    opened = open_pack(pack)
+    _, shot = case_shot(opened, "cards", opened.description("cards"))
+    shots = [shot._replace(off=np.arange(shot.depth.size, dtype=float).reshape(shot.depth.shape))] * 3
+    bench = _Bench(shots, 30)
+    assert len(bench.samples) == 3
+    assert all(5 <= len(samples.x) <= 10 for samples in bench.samples)  # one that is drawn twice counts once

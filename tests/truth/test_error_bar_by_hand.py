@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from refdof.truth.error_bar import _score_interval, summarise, unfinished
+from refdof.truth.error_bar import Estimate, _score_interval, excess, summarise, unfinished
 
 pytestmark = pytest.mark.fast
 
@@ -116,3 +116,8 @@ def test_the_score_interval_solves_wilsons_equation(share, spread):
     ends = np.sort(np.roots([1.0 + z * z / trials, -2.0 * share - z * z / trials, share * share]).real)
     found = _score_interval(2.0 + 4.0 * share, 4.0 * spread, 2.0, 6.0, 0.1)
     assert_allclose(found, 2.0 + 4.0 * ends, rtol=1e-6)  # z has seven digits
+
+
+def test_excess_is_relative_to_the_brightest_channel_of_either_sign():
+    error, mean = np.array([[0.1, 0.4, 0.2]] * 3), np.array([[0.1, 0.5, 0.2], [0.0, 4.0, 1.0], [-8.0, 1.0, 2.0]])
+    assert_allclose(excess(Estimate(mean, error, mean, mean), 0.01), [40.0, 10.0, 5.0], rtol=1e-14)

@@ -5,9 +5,9 @@ import pytest
 
 from refdof import Aperture, ThinLens, View
 from refdof._jit import tile_kernel
-from refdof.optics.aperture_sampling import aperture_sampler_of
+from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
 from refdof.optics.owen_sobol import block_of
-from refdof.truth.lens_rays import Aim, _square_points, _start_strands
+from refdof.truth.lens_rays import Aim, _on_lens, _square_points, _start_strands
 from tests import flat_scene
 
 pytestmark = pytest.mark.fast
@@ -40,3 +40,11 @@ def test_all_pixels_visit_a_cell_of_the_lens_together(log2_count, columns, rows)
     assert sorted(cell[:, 0]) == list(range(columns * rows))
     # Within it each has a point of its own, scrambled apart.
     assert all(len(set(row)) == len(pixels) for row in (x + 1000.0 * y).tolist())
+
+
+def test_a_plain_disc_has_the_points_of_any_aperture():
+    sampler = aperture_sampler_of(Aperture.disc())
+    x, y = np.random.default_rng(4).random((2, 20))
+    wanted = [lens_point(sampler, *place) for place in zip(x, y, strict=True)]
+    _on_lens(sampler, x, y)
+    np.testing.assert_array_equal(np.stack([x, y], axis=1), wanted)

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from refdof._check import InputError
 from refdof._jit import thread_count, tile_kernel, use_threads
-from refdof.raster.filters.n_buffer import highest_in, lowest_in, n_buffer, query
+from refdof.raster.filters.n_buffer import Rectangles, _four_squares, highest_in, lowest_in, n_buffer, query
 from tests.raster.filters import naive_n_buffer
 
 pytestmark = pytest.mark.fast
@@ -314,3 +314,10 @@ def test_kernels_miss_no_pixel_of_any_rectangle(block):
     if block == 1:  # as the array's door answers
         answer = query(buffer, *rectangles.T)
         np.testing.assert_array_equal(out, np.stack([answer.lowest, answer.highest], axis=1))
+
+
+@pytest.mark.parametrize(("levels", "covers"), [(1, False), (2, True), (3, True)])
+def test_two_by_two_squares_cover_what_is_twice_as_wide(levels, covers):
+    # A rectangle of 4 x 3 needs squares of 2 pixels, those of the second level.
+    rectangle = Rectangles(*(np.array([at]) for at in (1, 2, 4, 4)))
+    assert _four_squares(rectangle, (levels, 8, 9), False, np.zeros((3, 1), np.int64)) == (True, covers)

@@ -8,6 +8,7 @@ from refdof._jit.compile import tile_kernel
 from refdof.raster.filters.mip_chain import _drawn_centres
 from refdof.raster.gpu.gpu_model import D3D11, EXACT, LLVMPIPE
 from refdof.raster.gpu.texture import bilinear, trilinear
+from refdof.raster.gpu.texture_reads import _choose_levels
 from refdof.raster.gpu.texture_sampling import lerp, rules_of
 
 pytestmark = pytest.mark.fast
@@ -80,3 +81,9 @@ def test_bytes_are_blended_in_steps_of_a_256th(weight):
         (image.reshape(2, 1, 1), 0.5, (0.5 + weight / 256) / 2),
     ):
         assert bilinear(texels, u, v, LLVMPIPE).item() == np.float32(value) * np.float32(1 / 255)
+
+
+def test_levels_and_shares_by_hand():
+    level, share = np.zeros(3, np.int32), np.zeros(3)
+    assert _choose_levels(np.array([0.25, 1.5, 2.0]), level, share) == 2
+    assert (level.tolist(), share.tolist()) == ([0, 1, 2], [0.25, 0.5, 0.0])
