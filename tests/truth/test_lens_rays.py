@@ -6,7 +6,7 @@ import pytest
 from refdof import Aperture, ThinLens, View
 from refdof._jit import tile_kernel
 from refdof.optics.aperture_sampling import aperture_sampler_of, lens_point
-from refdof.optics.owen_sobol import block_of
+from refdof.optics.owen_sobol import axis_seed, block_of, scramble_state
 from refdof.truth.lens_rays import Aim, _on_lens, _square_points, _start_strands
 from tests import flat_scene
 
@@ -48,3 +48,21 @@ def test_a_plain_disc_has_the_points_of_any_aperture():
     wanted = [lens_point(sampler, *place) for place in zip(x, y, strict=True)]
     _on_lens(sampler, x, y)
     np.testing.assert_array_equal(np.stack([x, y], axis=1), wanted)
+
+
+def test_pixels_are_numbered_row_by_row():
+    """Every pixel scrambles with its own number, whichever pixels are sampled together."""
+    shot, lens = flat_scene.camera(3, 2, 8.0), ThinLens(1.0, 2.0)
+    view = View(flat_scene.scene_of([], shot, lens), shot, lens)
+    aim, block = (
+        Aim(view.projection(), aperture_sampler_of(Aperture.disc()), np.uint32(5), False, False),
+        block_of(0, 4),
+    )
+    pixels = np.array([[2, 1], [0, 0], [1, 1]])
+    tangents, seeds = np.zeros((2, 3)), np.zeros((4, 3), dtype=np.uint32)
+    columns = np.zeros((1 << block.column_bits, 3), dtype=np.uint32)
+    rows = np.zeros((1 << block.row_bits, 3), dtype=np.uint32)
+    with np.errstate(over="ignore"):  # as in compiled code
+        _start_strands(aim, pixels, 1, 7, tangents, seeds, columns, rows)
+        wanted = [[axis_seed(scramble_state(np.uint32(5), 7, number), k) for number in (5, 0, 4)] for k in range(4)]
+    np.testing.assert_array_equal(seeds, wanted)
