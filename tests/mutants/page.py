@@ -46,8 +46,9 @@ make mutants                                   # goes on where it was stopped; r
 .venv/bin/python -m tests.mutants.run --again  # survivors once more, after new tests
 ```
 
-Which test calls what is noted once, in build/mutants/seen.json: remove it when tests change. Every fault, with the test that caught it, is in [mutants.json](mutants.json). When code changes, the seed draws other
-faults: the numbers above belong to the lines in that file.
+Which test calls what is noted once, in build/mutants/seen.json: remove it when tests change. Every fault, with the test
+that caught it, is in [mutants.json](mutants.json). When code changes, the seed draws other faults: the numbers above belong
+to the lines in that file.
 """
 
 
