@@ -30,8 +30,8 @@ seconds, or if the package cannot be imported.
 
 ## By room
 
-*At first* is before tests were added for survivors: what the fast tests caught, and compiled ones where they were tried.
-*No change* are faults that change no result, or none that is promised.
+*At first* is before tests were added for survivors: what the fast tests caught, and compiled ones where they were
+tried. *No change* are faults that change no result, or none that is promised.
 
 {table}
 
@@ -47,8 +47,8 @@ make mutants                                   # goes on where it was stopped; r
 ```
 
 Which test calls what is noted once, in build/mutants/seen.json: remove it when tests change. Every fault, with the test
-that caught it, is in [mutants.json](mutants.json). When code changes, the seed draws other faults: the numbers above belong
-to the lines in that file.
+that caught it, is in [mutants.json](mutants.json). When code changes, the seed draws other faults: the numbers above
+belong to the lines in that file.
 """
 
 

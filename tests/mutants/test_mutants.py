@@ -2,6 +2,7 @@
 
 import ast
 import json
+from pathlib import Path
 
 import pytest
 
@@ -130,3 +131,13 @@ def test_both_files_are_written(rows, tmp_path):
     told = json.loads((tmp_path / "mutants.json").read_text())
     assert [fault["outcome"] for fault in told["faults"]] == ["caught", "hang", "survived", "survived"]
     assert [fault["at_first"] for fault in told["faults"]] == ["caught", "survived", "survived", "survived"]
+
+
+def test_what_the_page_says_is_what_was_found():
+    docs = Path(__file__).parents[2] / "docs"
+    faults = json.loads((docs / "mutants.json").read_text())["faults"]
+    caught = sum(fault["outcome"] in page.CAUGHT for fault in faults)
+    assert len(faults) >= 120
+    assert caught / len(faults) >= 0.95
+    assert f"\n{caught} of {len(faults)} faults are caught" in (docs / "mutants.md").read_text()
+    assert set(page.reasons()) == {fault["name"] for fault in faults if fault["outcome"] not in page.CAUGHT}
