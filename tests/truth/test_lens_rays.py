@@ -64,5 +64,6 @@ def test_pixels_are_numbered_row_by_row():
     rows = np.zeros((1 << block.row_bits, 3), dtype=np.uint32)
     with np.errstate(over="ignore"):  # as in compiled code
         _start_strands(aim, pixels, 1, 7, tangents, seeds, columns, rows)
-        wanted = [[axis_seed(scramble_state(np.uint32(5), 7, number), k) for number in (5, 0, 4)] for k in range(4)]
+        states = [np.uint64(scramble_state(np.uint32(5), 7, number)) for number in (5, 0, 4)]
+        wanted = [[axis_seed(state, k) for state in states] for k in range(4)]
     np.testing.assert_array_equal(seeds, wanted)
