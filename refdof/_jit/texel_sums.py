@@ -1,7 +1,7 @@
-"""Weighted sums of blended texels in vector registers, in float64, where loops over four channels do not vectorise.
+"""Weighted sums of blended texels in vector registers, where loops over four channels do not vectorise.
 
-Texels (T, 4) and sums (K, 4) are contiguous; places are int64 and count texels. Every operation is rounded. Without
-compilation the same is done by NumPy.
+Texels (T, 4) and sums (K, 4) are contiguous; places are int64 and count texels. Numbers are of the sums' type, every
+operation is rounded. Without compilation the same is done by NumPy.
 """
 
 from typing import Any
@@ -20,11 +20,11 @@ __all__ = ["add_blend"]
 def _add_blend(
     typingctx: Any, sums: Any, k: Any, weight: Any, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any
 ) -> Any:
-    wide = types.float64
+    wide = sums.dtype
     signature = types.void(sums, k, wide, texels, a, b, c, d, wide, wide)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        vector = ir.VectorType(ir.DoubleType(), 4)
+        vector = ir.VectorType(context.get_value_type(wide), 4)
         base = context.make_array(texels)(context, builder, arguments[3]).data
 
         def texel(place: Any) -> Any:
@@ -44,9 +44,10 @@ def _add_blend(
 def _add_interpreted(
     sums: Any, k: int, weight: float, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any
 ) -> None:
-    first, second, third, fourth = (texels[place].astype(float) for place in (a, b, c, d))
-    upper, lower = first + (second - first) * float(across), third + (fourth - third) * float(across)
-    sums[k] += weight * (upper + (lower - upper) * float(down))
+    own = sums.dtype.type
+    first, second, third, fourth = (texels[place].astype(own) for place in (a, b, c, d))
+    upper, lower = first + (second - first) * own(across), third + (fourth - third) * own(across)
+    sums[k] += own(weight) * (upper + (lower - upper) * own(down))
 
 
 if JIT_DISABLED:
@@ -55,5 +56,5 @@ else:
 
     @inline
     def add_blend(sums, k, weight, texels, a, b, c, d, across, down):
-        """Add to row k of sums (K, 4) float64 the bilinear blend of texels a, b above c, d, times a weight."""
+        """Add to row k of sums (K, 4) the bilinear blend of texels a, b above c, d, times a weight."""
         _add_blend(sums, k, weight, texels, a, b, c, d, across, down)
