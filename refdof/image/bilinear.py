@@ -3,8 +3,10 @@
 import numpy as np
 
 from refdof._jit import inline
+from refdof._jit.texel_registers import blend_to
+from refdof._jit.texel_sums import add_blend
 
-__all__ = ["bilinear", "first_of_two", "four_around", "texels_around"]
+__all__ = ["add_read", "bilinear", "first_of_two", "four_around", "read_to", "texels_around"]
 
 
 @inline
@@ -37,3 +39,25 @@ def bilinear(p, q, r, s, wx, wy):
     """Blend p and q, and r and s below them, by wx, and then those two by wy."""
     a, b = p + (q - p) * wx, r + (s - r) * wx
     return a + (b - a) * wy
+
+
+@inline
+def add_read(texels, size, u, v, weight, sums, k):
+    """Add to row k of sums (K, 4) a picture (H W, 4) of `size` (H, W), read at (u, v) [texels from the corner]."""
+    a, b, c, d, across, down = _places(size, u, v)
+    add_blend(sums, k, weight, texels, a, b, c, d, across, down)
+
+
+@inline
+def read_to(texels, size, u, v, out, k):
+    """Set row k of out (K, 4) to a picture (H W, 4) of `size` (H, W), read at (u, v) [texels from the corner]."""
+    a, b, c, d, across, down = _places(size, u, v)
+    blend_to(texels, a, b, c, d, across, down, out, k)
+
+
+@inline
+def _places(size, u, v):
+    column, across = first_of_two(u, size[1])
+    row, down = first_of_two(v, size[0])
+    a, b, c, d = four_around(np.int64(0), np.int64(size[1]), np.int64(size[0]), np.int64(column), np.int64(row))
+    return a, b, c, d, across, down

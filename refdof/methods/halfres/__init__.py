@@ -1,0 +1,5 @@
+"""Halfres: near and far blur at half the size, one mean and one maximum over a disc of points; as in three.js."""
+
+from refdof.methods.halfres.method import METHOD, Params, blur, render, texture_reads
+
+__all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
