@@ -20,8 +20,8 @@ Departures from the paper
 - Circles are cut at `largest_px`, the engine's 32; on phones it is 24 with three rings.
 - The noise of the taps is made in float64: products of thousands of pixels lose all digits in float32 on some devices.
 - A ring's distance from the pixel is that of its first tap, moved by the noise.
-- Where nothing is blurred the engine writes the colour with alpha 0, which its last pass, reading bilinearly, adds again
-  at the border of a tile. Here nothing is written.
+- Where nothing is blurred the engine writes the colour with alpha 0, which its last pass, reading bilinearly, adds
+  once more at the border of a tile. Here nothing is written.
 
 References
 ----------
