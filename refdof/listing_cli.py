@@ -33,7 +33,7 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def methods(as_json: AsJson = False) -> None:
-    """List the methods: sources, inputs, texture reads, parameters.
+    """List the methods: sources, inputs, texture reads, parameters, known defects.
 
     It also tells where a method's paper sets other parameters.
 
@@ -46,12 +46,13 @@ def methods(as_json: AsJson = False) -> None:
         rows.append({"method": name, "title": title, **facts_of(method, *size)})
         reads = method.reads_in_words(*size)
         about = [
-            f"{title} {method.origin}.",
+            f"{title} {method.source} ({method.basis}).",
             f"Needs {', '.join(method.inputs)}; {reads}.",
             in_words(method.defaults()),
         ]
         if method.paper:
             about.append(f"paper: {in_words(method.paper)}")
+        about += [f"- {defect}" for defect in method.known_defects]
         texts.append((name, about))
     if as_json:
         print(json.dumps(plain(rows), indent=2))
@@ -59,7 +60,8 @@ def methods(as_json: AsJson = False) -> None:
     for name, about in texts:
         print(name)
         for line in about:
-            print(textwrap.fill(line, 100, initial_indent="    ", subsequent_indent="        "))
+            width = 130 if line.startswith("- ") else 100  # a known defect is a line
+            print(textwrap.fill(line, width, initial_indent="    ", subsequent_indent="        "))
 
 
 def _title(module: Any) -> str:

@@ -22,6 +22,7 @@ from PIL import Image
 import refdof
 from extension.docstrings import entries, escape, first_sentence, take_apart
 from refdof.kernel_shape import kernel_shape
+from refdof.methods._contract import BASES
 
 __all__ = ["SCENE", "SIZE", "modules", "write"]
 
@@ -132,7 +133,7 @@ def _facts(record: Any) -> list[str]:
     width, height = refdof.load_scene(SCENE).camera.size
     count = None if reads is None else reads(record.params(), width, height)
     rows = [
-        ["Source", record.source + (" (a reconstruction: the source's text was not at hand)" * record.reconstruction)],
+        ["Source", f"{record.source} ({record.basis}: {BASES[record.basis]})"],
         ["Kind", f"{record.kind}: {_registry('KINDS', record)[record.kind]}"],
         ["Needs", ", ".join(record.inputs)],
         [
@@ -210,7 +211,7 @@ def _table(shown: dict[str, Shown], floor: float) -> str:
     for name, module in refdof.METHODS.items():
         record = module.METHOD
         scores = [f"{shown[name].psnr:.2f}", f"{shown[name].flip:.4f}"] if shown else []
-        source = record.source + " (reconstruction)" * record.reconstruction
+        source = record.origin
         rows.append([f":doc:`{name} </methods/{name}>`", source, record.kind, *scores])
     text = (
         f"Scores: the scene ``{SCENE}`` at {SIZE[0]} x {SIZE[1]} px, default parameters, against a reference with "

@@ -23,7 +23,7 @@ from typing import Any
 from refdof._check import as_choice
 from refdof.stages import Stage
 
-__all__ = ["KINDS", "LARGEST_RADIUS", "MEAN_RADIUS", "PROMISES", "REACH", "Method", "facts_of", "level_shares"]
+__all__ = ["BASES", "KINDS", "LARGEST_RADIUS", "MEAN_RADIUS", "PROMISES", "REACH", "Method", "facts_of", "level_shares"]
 
 REACH = 5.0
 """How far blurs may spread, in radii of the largest circle of confusion. A disc has 1; a Gaussian that is cut at three
@@ -37,6 +37,12 @@ KINDS: dict[str, str] = {
     "reference views": "averages pictures of the scene from points of the lens",
     "layers": "draws the scene once, as several surfaces per pixel",
     "single image": "filters the pinhole picture with its depth; hidden surfaces cannot be recovered",
+}
+
+BASES: dict[str, str] = {
+    "paper": "its paper, or what its author published of it",
+    "engine": "the source code of an engine that ships it",
+    "reconstruction": "pieced together: the text of its source was not at hand",
 }
 
 PROMISES: dict[str, str] = {
@@ -73,8 +79,8 @@ class Method:
         What it gets wrong by design, its paper included.
     paper : {parameter: value}
         Where its paper's text differs from the defaults of `params`: the preset "paper".
-    reconstruction : bool
-        True where the source was not at hand and the steps are pieced together.
+    basis : one of `BASES`
+        What it was written after.
     stages : Stages that it records; empty: not declared yet
     tradeoff : (parameter, values) or None
         The parameter that trades speed for accuracy most, and values to try, from fast to slow. None: there is none.
@@ -82,7 +88,7 @@ class Method:
     Raises
     ------
     InputError
-        If the kind, a promise or a field of `paper` does not exist.
+        If the kind, the basis, a promise or a field of `paper` does not exist.
     """
 
     citation: str
@@ -94,12 +100,13 @@ class Method:
     texture_reads: Callable[[Any, int, int], float] | None
     known_defects: tuple[str, ...]
     paper: Mapping[str, Any] = field(default_factory=dict)
-    reconstruction: bool = False
+    basis: str = "paper"
     stages: tuple[Stage, ...] = ()
     tradeoff: tuple[str, tuple[Any, ...]] | None = None
 
     def __post_init__(self) -> None:
         as_choice("kind", self.kind, KINDS)
+        as_choice("basis", self.basis, BASES)
         for promise in self.promises:
             as_choice("promises", promise, PROMISES)
         for name in self.paper:
@@ -109,8 +116,13 @@ class Method:
 
     @property
     def origin(self) -> str:
-        """`source`, and whether the method is a reconstruction."""
-        return self.source + (" (reconstruction)" if self.reconstruction else "")
+        """`source`, and what it is, where it is no paper."""
+        return self.source + ("" if self.basis == "paper" else f" ({self.basis})")
+
+    @property
+    def reconstruction(self) -> bool:
+        """Whether the source was not at hand."""
+        return self.basis == "reconstruction"
 
     def defaults(self) -> dict[str, Any]:
         """The default of every parameter."""
@@ -134,6 +146,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
     return {
         "citation": method.citation,
         "source": method.source,
+        "basis": method.basis,
         "reconstruction": method.reconstruction,
         "inputs": method.inputs,
         "texture_reads_per_pixel": method.reads_per_pixel(width, height),

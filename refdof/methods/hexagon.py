@@ -73,6 +73,7 @@ METHOD = Method(
     citation="bevy2024",
     source="Bevy 2024, after Barre-Brisebois 2017",
     kind="single image",
+    basis="engine",
     inputs=("pinhole colour", "pinhole depth"),
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity"),

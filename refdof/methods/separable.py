@@ -72,7 +72,7 @@ METHOD = Method(
     promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
     texture_reads=texture_reads,
     known_defects=("The filter is not separable: what it does along x before y leaves traces.",),
-    reconstruction=True,
+    basis="reconstruction",
 )
 
 

@@ -77,6 +77,7 @@ METHOD = Method(
     citation="abadie2018",
     source="Abadie 2018, as in Filament 2025",
     kind="single image",
+    basis="engine",
     inputs=("pinhole colour", "pinhole depth"),
     params=Params,
     promises=("constant", "pinhole", "focus"),

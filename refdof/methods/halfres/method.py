@@ -49,6 +49,7 @@ METHOD = Method(
     citation="threejs2025",
     source="three.js 2025, after Doom 2016",
     kind="single image",
+    basis="engine",
     inputs=("pinhole colour", "pinhole depth"),
     params=Params,
     promises=("constant", "pinhole", "convexity"),

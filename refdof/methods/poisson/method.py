@@ -71,7 +71,7 @@ METHOD = Method(
         "Worse than no blur on the scene `fence`: its nearest surface is blurred in full, whatever its circle.",
         "The mirrored scene does not give the mirrored picture: the twelve taps are not symmetric.",
     ),
-    reconstruction=True,
+    basis="reconstruction",
     stages=STAGES,
     tradeoff=("max_taps", (2, 4, 8, 12)),
 )

@@ -90,7 +90,7 @@ METHOD = Method(
         "Away from focus every colour is repeated in two sub-images.",
         "The mirrored scene gives the mirrored picture only where sides are powers of two.",
     ),
-    reconstruction=True,
+    basis="reconstruction",
     tradeoff=("largest_side", (1, 2, 4, 8, 16)),
 )
 

@@ -55,6 +55,7 @@ METHOD = Method(
     citation="jimenez2014",
     source="Jimenez 2014, as in Wicked Engine 2025",
     kind="single image",
+    basis="engine",
     inputs=("pinhole colour", "pinhole depth"),
     params=Params,
     promises=("pinhole",),

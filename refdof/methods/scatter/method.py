@@ -76,7 +76,7 @@ METHOD = Method(
     promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
     texture_reads=texture_reads,
     known_defects=("There is no order in depth: what lies behind spreads over what is in front of it.",),
-    reconstruction=True,
+    basis="reconstruction",
     tradeoff=("order", ("none", "far_to_near")),
 )
 
