@@ -33,6 +33,7 @@ References
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdof._check import Float, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
@@ -150,13 +151,15 @@ def blur(
 def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     half = half_of(color, coc, params.largest_px)
-    moved = noise(*half.finest.shape[:2], color.dtype)
+    moved = noise(half.finest.shape[0], half.finest.shape[1], color.dtype)
     places = np.stack([half.starts[:-1], half.widths, half.heights])
     gathered = gather(half.texels, places, half.tiles.least, half.tiles.greatest, moved, params.rings)
     blurred = _per_pixel(_largest(half) >= 1, TILE)[..., None]
     smooth = np.where(blurred, median(gathered), gathered)
-    for name, stage in (("coc", coc), ("half", half.finest), ("gathered", gathered), ("median", smooth)):
-        recorder.record(name, lambda stage=stage: stage)
+    recorder.record("coc", lambda: coc)
+    recorder.record("half", lambda: half.finest)
+    recorder.record("gathered", lambda: gathered)
+    recorder.record("median", lambda: smooth)
     recorder.record("least", lambda: half.tiles.least)
     recorder.record("greatest", lambda: half.tiles.greatest)
     return _combined(color, half, smooth)
@@ -166,7 +169,7 @@ def _largest(half: Half) -> Float:
     return np.maximum(np.abs(half.tiles.least), np.abs(half.tiles.greatest))
 
 
-def _per_pixel(tiles: Float, side: int) -> Float:
+def _per_pixel(tiles: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
     return tiles.repeat(side, axis=0).repeat(side, axis=1)
 
 
@@ -175,7 +178,8 @@ def _combined(color: Float, half: Half, smooth: Float) -> Float:
     kind, (height, width) = color.dtype.type, color.shape[:2]
     least, greatest = half.tiles
     alone = (greatest - least <= kind(ALIKE) * np.abs(greatest)) & (np.abs(least) >= 2)
-    blurred, alone = (_per_pixel(tiles, 2 * TILE)[:height, :width, None] for tiles in (_largest(half) >= 1, alone))
+    blurred = _per_pixel(_largest(half) >= 1, 2 * TILE)[:height, :width, None]
+    alone = _per_pixel(alone, 2 * TILE)[:height, :width, None]
     soft = resize(smooth, 2 * smooth.shape[0], 2 * smooth.shape[1])[:height, :width]
     sharp = np.where(alone, kind(0), (kind(1) - soft[..., 3:]) * color)
     return np.where(blurred, soft[..., :3] + sharp, color)

@@ -38,7 +38,7 @@ def circles_of(depth: Float, coc: Float, params: Params) -> Circles:
         scaled = np.minimum(np.abs(coc), kind(params.largest_px))
         blur = scaled / kind(params.largest_px) if params.largest_px > 0 else np.zeros_like(coc)
     near, far = np.where(before, blur, kind(0)), np.where(behind, blur, kind(0))
-    size = tuple(max(1, round_half_up(side / 2)) for side in coc.shape)
+    size = max(1, round_half_up(coc.shape[0] / 2)), max(1, round_half_up(coc.shape[1] / 2))
     if params.variant == "pmndrs":
         near, far = _in_8_bits(near), _in_8_bits(far)
         spread = _kawase(_packed(near, far), size)

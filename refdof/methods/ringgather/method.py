@@ -164,11 +164,14 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
     filtered = prefilter(joined(working, np.ones_like(coc)), depth, half_circle, half_depth, taps)
     summed = rings(filtered, *ready, tiles.greatest, tiles.least, taps, params.gain)
     smooth = median(summed)
-    for name, stage in (("coc", coc), ("circle", circle), ("filtered", filtered), ("rings", summed)):
-        recorder.record(name, lambda stage=stage: stage)
-    recorder.record("median", lambda: smooth)
-    for name, tile in around._asdict().items():
-        recorder.record(name, lambda tile=tile: tile)
+    recorder.record("coc", lambda: coc)
+    recorder.record("circle", lambda: circle)
+    recorder.record("nearest", lambda: around.nearest)
+    recorder.record("greatest", lambda: around.greatest)
+    recorder.record("least", lambda: around.least)
+    recorder.record("filtered", lambda: filtered)
+    recorder.record("rings", lambda: summed)
+    recorder.record("median", smooth.copy)
     if params.working == "tonemapped":
         smooth[..., :3] /= np.maximum(kind(1) - smooth[..., :3].max(axis=2, keepdims=True), kind(1e-6))
     full = around.at(_TILE, coc.shape)
