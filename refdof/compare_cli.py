@@ -1,21 +1,28 @@
 """The command `refdof compare`: methods beside the reference."""
 
 import json
+import math
 import shlex
 import sys
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from refdof.cluster import connected
+from refdof._check import Float, InputError, as_integer
+from refdof.cluster import Cluster, connected
 from refdof.compare import compare as compare_scene
-from refdof.compare import warming_up
+from refdof.compare import kept_reference, warming_up
 from refdof.comparison import Comparison
 from refdof.image.atomic import check_folder
 from refdof.methods import METHODS
+from refdof.motion import MOST_FRAMES, STEP_PX, moved_views, small_size, with_motion
+from refdof.optics.camera import Camera
+from refdof.optics.lens import ThinLens
 from refdof.options import (
     DEFAULT_SCENE,
     PRESET_HELP,
@@ -59,10 +66,12 @@ from refdof.rendering import PRESETS
 from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.scene.builtin import SCENES
+from refdof.scene.scene import Scene
 from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
-from refdof.truth.reference import samples_taken
+from refdof.truth.reference import MAX_SAMPLES, samples_taken
+from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 
 __all__ = ["add_compare"]
@@ -113,6 +122,15 @@ def compare(
     tolerance: Tolerance = None,
     max_samples: Most = None,
     crop: Crops = None,
+    motion: Annotated[
+        int | None,
+        typer.Option(
+            "--motion",
+            metavar="N",
+            help=f"Flicker of each method while the camera moves over N frames, 3 to {MOST_FRAMES}, by "
+            f"1/{1 / STEP_PX:g} px each; with a moving picture.",
+        ),
+    ] = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
     threads: Threads = None,
@@ -127,6 +145,7 @@ def compare(
     if as_json:
         refuse_ignored("with --json", "without it", wide=wide)
     check_folder(out)
+    frames = None if motion is None else as_integer("motion", motion, minimum=3, maximum=MOST_FRAMES)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
     params = settings_by_method(settings or [], names, presets)
@@ -146,11 +165,14 @@ def compare(
             share = overall(tell, name, number, len(wanted))
             with warming_up(soon if name in SCENES and not comparisons else []):
                 scene, camera, lens = scene_camera_lens(name, seen, chosen, look)
+            views = [] if frames is None else _moved(frames, scene, camera, lens, focus_points, chosen)
             lens = lens_of_points(focus_points, scene, camera, lens, chosen)
             boxes = boxes_of(crop or [], camera.size)
             shot = camera, lens, samples, tolerance, seed
             where = max_samples, _announce, cluster
             made = compare_scene(scene, names, params, *shot, share, presets, *where)
+            if views:
+                made = with_motion(made, views, samples, _reference(samples, seed, cluster), partial(share, "motion"))
             comparisons.append(replace(made, crops=boxes))
         comparisons = _told_apart(comparisons, wanted)
         tell("report", 1000 * len(wanted), 1000 * len(wanted))
@@ -161,6 +183,27 @@ def compare(
         return
     print(markdown_table(comparisons) if wide else terminal_table(comparisons))
     print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+    if frames is not None and not wide:
+        print(f"Flicker: in {out / 'table.md'}; motion.png and motion_strip.png are beside each report.html")
+
+
+def _moved(
+    frames: int, scene: Scene, camera: Camera, lens: ThinLens, points: Path | None, choice: LensChoice
+) -> list[View]:
+    """Views of a slow move; focus points are followed at the size of its frames."""
+    if not math.isfinite(lens.focus_distance):
+        raise InputError(f"motion: got {frames} with focus at infinity, where nothing moves; allowed with finite focus")
+    small = camera.with_size(small_size(camera.size))
+    return moved_views(View(scene, small, lens_of_points(points, scene, small, lens, choice)), frames)
+
+
+def _reference(samples: int, seed: int, cluster: Cluster | None) -> Callable[[View, int], Float]:
+    """A reference's picture, kept from run to run, with `seed` or one of the next."""
+
+    def picture(view: View, other: int) -> Float:
+        return kept_reference(view, samples, None, (seed + other) % 2**32, MAX_SAMPLES, None, cluster)[0].image
+
+    return picture
 
 
 def _told_apart(comparisons: list[Comparison], names: list[str]) -> list[Comparison]:

@@ -4,11 +4,14 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+import numpy.typing as npt
+
 from refdof._check import Float, Index
 from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 
-__all__ = ["Box", "Chart", "Comparison", "Row"]
+__all__ = ["Box", "Chart", "Comparison", "Motion", "Row"]
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Row:
     ----------
     image : (H, W, 3) float32, linear RGB
     scores : by name, see `refdof.metrics.METRICS`
-    artefacts : by name, see `refdof.metrics.artefacts`; empty without a reference
+    artefacts : by name, see `refdof.metrics.artefacts.LOCATED`; empty without a reference
     prepare_s, blur_s : seconds of a warm run spent on raster products, and of the method itself, the median
     preset : one of `refdof.rendering.PRESETS`, what parameters have that were not given
     runs : how many warm runs were timed
@@ -78,6 +81,41 @@ class Chart:
 
 
 @dataclass(frozen=True, eq=False)
+class Motion:
+    """Frames of a camera that moves on by a part of a pixel each; see `refdof.motion`.
+
+    Names are "reference" and each row's.
+
+    Attributes
+    ----------
+    step_px : how far the focal plane moves per frame [px]
+    samples : mean lens samples per pixel of one of the reference's two pictures of each frame
+    flicker : {name: float}, the reference's own, and each row's beyond that; NaN where no pixel is out of focus
+    pictures : {name: (N, h, w, 3) uint8}, display images
+    row : the row of pixels in which the reference's blurred pixels change most
+    strips : {name: (N, w, 3) float32}, linear RGB of that row
+    """
+
+    step_px: float
+    samples: int
+    flicker: dict[str, float]
+    pictures: dict[str, npt.NDArray[np.uint8]]
+    row: int
+    strips: dict[str, Float]
+
+    @property
+    def frames(self) -> int:
+        """Their number."""
+        return len(self.pictures["reference"])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height [px]."""
+        height, width = self.pictures["reference"].shape[1:3]
+        return width, height
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """Every method beside the reference, on one scene.
 
@@ -94,6 +132,7 @@ class Comparison:
     coc_px : (H, W) float64, its signed circle of confusion, a radius [px]
     surface_counts : (H, W) int, surfaces at each pixel's centre; None where they are not known, as the two above
     crops : what a report shows enlarged; none: it chooses two
+    motion : frames of a slow move, whose `flicker` the rows have among their artefacts; None: not made
     """
 
     scene: str
@@ -112,6 +151,7 @@ class Comparison:
     coc_px: Float | None = None
     surface_counts: Index | None = None
     crops: tuple[Box, ...] = ()
+    motion: Motion | None = None
 
     @property
     def standard(self) -> tuple[str, Float]:

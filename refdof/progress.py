@@ -15,7 +15,7 @@ __all__ = ["overall", "progress_line", "say_at_once"]
 
 _CLEAR = "\r\x1b[2K"  # go to the line's start and empty it
 # What a comparison does, one after the other; a name that is not here is a method's.
-_GROUPS = ("compiling", "reference", "methods", "scores", "artefacts", "kernels", "lens chart")
+_GROUPS = ("compiling", "reference", "methods", "scores", "artefacts", "kernels", "lens chart", "motion")
 
 
 @contextmanager

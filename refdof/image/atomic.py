@@ -14,7 +14,7 @@ from pathlib import Path
 from refdof._check import InputError
 from refdof._process import unfinished
 
-__all__ = ["atomic_folder", "atomic_path", "check_folder", "check_own_folder", "write_text"]
+__all__ = ["atomic_folder", "atomic_path", "check_folder", "check_own_folder", "write_bytes", "write_text"]
 
 
 @contextmanager
@@ -100,6 +100,12 @@ def atomic_folder(target: str | os.PathLike[str], argument: str = "out") -> Iter
     finally:
         for folder in (temporary, old):
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_bytes(target: str | os.PathLike[str], content: bytes, argument: str = "out") -> None:
+    """Write `content` to `target` in one step."""
+    with atomic_path(target, argument) as temporary:
+        temporary.write_bytes(content)
 
 
 def write_text(target: str | os.PathLike[str], text: str, argument: str = "out") -> None:

@@ -3,6 +3,7 @@
 The only file that imports jinja2. Scripts and styles are files of their own and go into the page as they are.
 """
 
+import base64
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,10 +13,18 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from refdof._check import Float
-from refdof.comparison import Chart, Comparison, Row
+from refdof.comparison import Chart, Comparison, Motion, Row
 from refdof.report.planes import Planes, png_text
 from refdof.report.rows import at_noise_floor, plain, rows_as_json
-from refdof.report.table import artefact_texts, columns, footnote, footnote_of_artefacts, reference_line, texts
+from refdof.report.table import (
+    artefact_texts,
+    columns,
+    footnote,
+    footnote_of_artefacts,
+    motion_line,
+    reference_line,
+    texts,
+)
 
 __all__ = ["index_page", "rendered", "report_page"]
 
@@ -45,6 +54,7 @@ def report_page(comparison: Comparison, command: str = "", position: int = 0) ->
         viewer=planes.about,
         scripts=_SCRIPTS,
         chart=None if comparison.chart is None else _strips(comparison.chart),
+        motion=None if comparison.motion is None else _motion(comparison.motion),
         kinds=planes.kinds,
         payloads=planes.payloads,
     )
@@ -54,6 +64,13 @@ def _strips(chart: Chart) -> dict[str, Any]:
     """A lens chart: its caption, and pictures as PNG."""
     pictures = [{"name": name, "png": png_text(image)} for name, image in chart.pictures.items()]
     return {"caption": chart.caption, "pictures": pictures}
+
+
+def _motion(motion: Motion) -> dict[str, str]:
+    """How flicker was measured, and strips as PNG."""
+    from refdof.report.motion_pictures import strips_png  # matplotlib is slow to import
+
+    return {"about": motion_line(motion), "png": base64.b64encode(strips_png(motion)).decode("ascii")}
 
 
 def index_page(comparisons: Sequence[Comparison], folders: Sequence[str], command: str = "") -> str:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from refdof._check import Float
-from refdof.comparison import Comparison, Row
+from refdof.comparison import Comparison, Motion, Row
 from refdof.metrics import FLIP_PPD, METRICS
-from refdof.metrics.artefacts import ARTEFACTS, KERNEL_FACTS
+from refdof.metrics.artefacts import LOCATED
 from refdof.optics.expressive_lens import ExpressiveLens
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.paraxial import f_number
@@ -63,6 +63,7 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
             "kept": comparison.kept,
             "noise_floor_psnr": plain(comparison.noise_floor_psnr),
         },
+        "motion": None if comparison.motion is None else _motion_as_json(comparison.motion),
         "display": dict(DISPLAY),
         "command": command or command_of(comparison),
         "rows": [
@@ -76,10 +77,22 @@ def rows_as_json(comparison: Comparison, command: str = "") -> dict[str, Any]:
                 "spread_s": plain(row.spread_s),
                 "runs": row.runs,
                 "at_noise_floor": at_noise_floor(row, comparison),
-                **{name: plain(row.artefacts.get(name)) for name in (*ARTEFACTS, *KERNEL_FACTS)},
+                **{name: plain(row.artefacts.get(name)) for name in LOCATED},
             }
             for row in comparison.rows
         ],
+    }
+
+
+def _motion_as_json(motion: Motion) -> dict[str, Any]:
+    """How flicker was measured: columns and rows of the frames, their number, and by how much each moves on."""
+    return {
+        "frames": motion.frames,
+        "size": plain(motion.size),
+        "step_px": motion.step_px,
+        "samples": motion.samples,
+        "reference_flicker": plain(motion.flicker["reference"]),
+        "strip_row": motion.row,
     }
 
 
@@ -105,6 +118,7 @@ def command_of(comparison: Comparison) -> str:
         words += [f"--{name}", ",".join(map(repr, getattr(camera, name)))]
     words += ["--fov", repr(camera.fov_y), "--lens-radius", repr(lens.radius), "--focus", repr(lens.focus_distance)]
     words += ["--samples", str(round(comparison.samples))]
+    words += [] if comparison.motion is None else ["--motion", str(comparison.motion.frames)]
     words += ["--methods", ",".join(dict.fromkeys(row.method for row in comparison.rows))]
     words += ["--preset", ",".join(dict.fromkeys(row.preset for row in comparison.rows))]
     for method in dict.fromkeys(row.method for row in comparison.rows):

@@ -8,9 +8,9 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from refdof.comparison import Comparison, Row
+from refdof.comparison import Comparison, Motion, Row
 from refdof.metrics import METRICS
-from refdof.metrics.artefacts import ARTEFACTS, KERNEL_FACTS
+from refdof.metrics.artefacts import LOCATED
 from refdof.report.rows import DISPLAY, at_noise_floor, is_at_floor, plain
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "footnote",
     "footnote_of_metrics",
     "markdown_table",
+    "motion_line",
     "noise_in_words",
     "reference_line",
     "scores_table",
@@ -51,8 +52,8 @@ def columns() -> list[Column]:
 
 
 def artefact_columns() -> list[Column]:
-    """Every artefact metric, then what a small light shows."""
-    return [Column(name, one.heading, one.decimals) for name, one in {**ARTEFACTS, **KERNEL_FACTS}.items()]
+    """Every artefact metric, then what a small light shows, and a slow move."""
+    return [Column(name, one.heading, one.decimals) for name, one in LOCATED.items()]
 
 
 def markdown_table(comparisons: Sequence[Comparison]) -> str:
@@ -65,6 +66,7 @@ def markdown_table(comparisons: Sequence[Comparison]) -> str:
         blocks += [_heading(comparison), _rows(comparison, columns(), "at the noise floor"), reference_line(comparison)]
         if any(row.artefacts for row in comparison.rows):
             blocks += ["Where the error lies:", _artefact_rows(comparison)]
+            blocks += [motion_line(comparison.motion)] if comparison.motion is not None else []
             located = True
     return "\n\n".join([*blocks, footnote(), *([footnote_of_artefacts()] if located else [])]) + "\n"
 
@@ -148,6 +150,16 @@ def reference_line(comparison: Comparison) -> str:
     return f"Reference: {samples} samples per pixel, {seconds}, {noise}."
 
 
+def motion_line(motion: Motion) -> str:
+    """How flicker was measured, in a sentence."""
+    width, height = motion.size
+    own = _text(motion.flicker["reference"], LOCATED["flicker"].decimals)
+    return (
+        f"Flicker: {motion.frames} frames of {width} x {height} px, each moved on by 1/{1.0 / motion.step_px:g} px of "
+        f"the focal plane; the reference's own, {own}, is taken off."
+    )
+
+
 def noise_in_words(floor: float) -> str:
     """The noise of a reference, NaN: unknown."""
     if math.isnan(floor):
@@ -181,8 +193,7 @@ def footnote_of_metrics() -> str:
 
 def footnote_of_artefacts() -> str:
     """What the columns of the second table mean."""
-    metrics = [*ARTEFACTS.values(), *KERNEL_FACTS.values()]
-    told = ", ".join(f"{one.heading.partition(' [')[0]} ({one.note})" for one in metrics)
+    told = ", ".join(f"{one.heading.partition(' [')[0]} ({one.note})" for one in LOCATED.values())
     return f"Where the error lies, of linear values, without the reference's noise where that is known: {told}."
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from refdof._check import Float, InputError
 from refdof._jit import run_tasks
 from refdof.comparison import Comparison
-from refdof.image.atomic import write_text
+from refdof.image.atomic import write_bytes, write_text
 from refdof.image.file import save_image
 from refdof.report.latex import latex_table
 from refdof.report.page import index_page, report_page
@@ -35,6 +35,8 @@ def write_comparison(
     scores.png, scores.svg        error over time of every method
     table.tex                     the main scores for LaTeX, with the package booktabs
     report.html                   one offline page to flip the images in place
+    motion.png, motion_strip.png  where there are frames of a slow move: an animated PNG, and one row of
+                                  pixels over time
     ============================  ==================================================================
 
     Parameters
@@ -52,6 +54,7 @@ def write_comparison(
     InputError
         If the folder cannot be written, or an image is not finite or not of the reference's shape.
     """
+    from refdof.report.motion_pictures import moving_png, strips_png
     from refdof.report.overview import write_overview  # matplotlib is slow to import
     from refdof.report.plots import write_scatter
 
@@ -67,13 +70,19 @@ def write_comparison(
         if comparison.reference is not None:
             write_scatter(comparison, [target / "scores.png", target / "scores.svg"])
 
+    def motion_pictures() -> None:
+        if comparison.motion is not None:
+            write_bytes(target / "motion.png", moving_png(comparison.motion))
+            write_bytes(target / "motion_strip.png", strips_png(comparison.motion))
+
     # Those that take longest come first.
     jobs: list[Callable[[], Any]] = [
+        motion_pictures,
         drawings,
         lambda: report_page(comparison, command, position),
         *(partial(save, *image) for image in images),
     ]
-    _, page, *_ = run_tasks(lambda job: job(), jobs)
+    _, _, page, *_ = run_tasks(lambda job: job(), jobs)
     _write_tables([comparison], target, rows_as_json(comparison, command))
     write_text(target / "report.html", page)
 

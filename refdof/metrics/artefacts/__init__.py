@@ -1,8 +1,8 @@
 """Artefact metrics: where an image differs from its reference, and in which way.
 
-`ARTEFACTS` is the registry of what pictures show, `KERNEL_FACTS` of what one small light shows of a method. Columns of
-tables and fields of JSON and CSV follow from them, in their order. All are of linear values. docs/metrics.md tells
-formulas, good values and limits.
+`ARTEFACTS` is the registry of what pictures show, `KERNEL_FACTS` of what one small light shows of a method, and
+`MOTION_FACTS` of what a slow move shows. `LOCATED` has all: columns of tables and fields of JSON and CSV follow from
+it, in its order. All are of linear values. docs/metrics.md tells formulas, good values and limits.
 """
 
 import math
@@ -23,6 +23,8 @@ from refdof.metrics.artefacts.regions import region_rmse
 __all__ = [
     "ARTEFACTS",
     "KERNEL_FACTS",
+    "LOCATED",
+    "MOTION_FACTS",
     "Artefact",
     "ArtefactMaps",
     "Moments",
@@ -36,7 +38,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Artefact:
-    """One artefact metric; its name is its key in `ARTEFACTS` or `KERNEL_FACTS`.
+    """One artefact metric; its name is its key in `LOCATED`.
 
     Attributes
     ----------
@@ -72,6 +74,12 @@ KERNEL_FACTS: dict[str, Artefact] = {
     "kernel_radius": Artefact("kernel radius / disc", 1.0, 3, "RMS radius of what a point becomes, circle 8 px"),
     "light_energy": Artefact("light of 1 px", 1.0, 3, "energy of a light of one pixel there over its own"),
 }
+
+MOTION_FACTS: dict[str, Artefact] = {
+    "flicker": Artefact("flicker", 0.0, 5, "with --motion: mean second difference over frames, beyond the reference's"),
+}
+
+LOCATED: dict[str, Artefact] = {**ARTEFACTS, **KERNEL_FACTS, **MOTION_FACTS}
 
 
 def artefacts(maps: ArtefactMaps, reference: Any, image: Any) -> dict[str, float]:
