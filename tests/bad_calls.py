@@ -810,6 +810,8 @@ INNER = {
     "refdof.kernel_shape.KernelShape",
     "refdof.kernel_shape.kept_kernel_shapes",
     "refdof.motion.blurred_in_all",
+    "refdof.motion.small_size",
+    "refdof.motion.with_motion",
     "refdof.metrics.artefacts.Artefact",
     "refdof.metrics.artefacts.artefacts_of_many",
     "refdof.metrics.artefacts.excess.boundary_step",

@@ -16,7 +16,7 @@ SCORES = {
     "rel_mse": 0.00390625,
     "max_abs": 0.5,
 }
-ARTEFACTS = {name: 0.25 + k / 64.0 for k, name in enumerate(metrics.ARTEFACTS | metrics.KERNEL_FACTS)}
+ARTEFACTS = {name: 0.25 + k / 64.0 for k, name in enumerate(metrics.LOCATED)}
 
 
 def comparison(

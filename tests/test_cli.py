@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from refdof import METHODS, SCENES
 from refdof._jit import JIT_DISABLED, thread_count
 from refdof.cli import app, main
 from refdof.image.file import load_image
+from refdof.methods._contract import BASES
 
 SMALL = ["--size", "48x36", "--samples", "64"]
 
@@ -28,7 +30,15 @@ def test_scenes_and_methods_list_the_registry():
     assert [row["scene"] for row in json.loads(listed.stdout)] == list(SCENES)
     listed = refdof("methods", "--json")
     assert [row["method"] for row in json.loads(listed.stdout)] == list(METHODS)
-    assert all(name in refdof("methods").stdout for name in METHODS)
+    # Each with its source, what kind that is, and its known defects, a line each.
+    blocks = re.split(r"^(?=\S)", refdof("methods").stdout, flags=re.MULTILINE)[1:]
+    assert [block.split("\n", 1)[0] for block in blocks] == list(METHODS)
+    for block, module in zip(blocks, METHODS.values(), strict=True):
+        method = module.METHOD
+        assert f" {method.source} ({method.basis}). " in " ".join(block.split()), method.source
+        lines = [line[6:] for line in block.splitlines() if line.startswith("    - ")]
+        assert lines == list(method.known_defects)
+    assert {module.METHOD.basis for module in METHODS.values()} == set(BASES)
 
 
 def test_only_their_own_commands_import_the_oracle_and_explanations():
@@ -127,6 +137,7 @@ def test_no_time_of_a_first_table_has_compiling_in_it(tmp_path):
 
 def test_the_command_in_a_report_works_again(tmp_path):
     words = ["branches", "--methods", "singlepass", *SMALL, "--eye", "-0.5,1.5,6", "--up", "0.1,1,0", "--fov", "33.3"]
+    words += ["--motion", "3"]
     done = refdof("compare", *words, "--out", "first", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     first = json.loads((tmp_path / "first" / "table.json").read_text())
@@ -137,6 +148,13 @@ def test_the_command_in_a_report_works_again(tmp_path):
     assert again.returncode == 0, again.stderr
     for name in ("reference.npy", "singlepass.npy"):
         np.testing.assert_array_equal(np.load(tmp_path / "first" / name), np.load(tmp_path / "second" / name))
+    # Flicker too: the number, and all frames.
+    second = json.loads((tmp_path / "second" / "table.json").read_text())
+    assert first["motion"] == second["motion"]
+    assert (first["motion"]["frames"], first["motion"]["size"], first["motion"]["samples"]) == (3, [48, 36], 64)
+    assert first["rows"][0]["flicker"] == second["rows"][0]["flicker"] != 0.0
+    for name in ("motion.png", "motion_strip.png"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
 
 
 def test_both_presets_at_once(tmp_path):
@@ -267,6 +285,10 @@ def test_bad_input_from_a_shell():
         (["compare", "fence", "--lens-radius", "nan"], "lens-radius: got nan"),
         (["compare", "fence", "--focus", "0"], "refdof: focus: got 0; allowed is a number > 0"),
         (["compare", "fence", "--samples", "0"], "samples: got 0; allowed is a whole number in 1"),
+        (["compare", "fence", "--motion", "2"], "motion: got 2; allowed is a whole number in 3 .. 64"),
+        (["compare", "fence", "--motion", "65"], "motion: got 65; allowed is a whole number in 3 .. 64"),
+        (["compare", "fence", "--motion", "1.5"], "'--motion': '1.5' is not a valid int"),
+        (["compare", "fence", "--motion", "3", "--focus", "inf"], "motion: got 3 with focus at infinity"),
         (["compare", "fence", "--tolerance", "0"], "tolerance: got 0; allowed is a finite number > 0"),
         (["compare", "fence", "--seed", "-1"], "seed: got -1"),
         (

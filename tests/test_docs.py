@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import refdof
-from refdof.methods._contract import PROMISES
+from refdof.methods._contract import BASES, PROMISES
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
@@ -54,6 +54,13 @@ def test_the_page_on_testing_lists_every_promise():
         r"^\| (\w+) \| (.*) \|$", (DOCS / "testing.md").read_text().split("<!-- promises -->")[1], re.MULTILINE
     )
     assert rows[1:] == list(PROMISES.items())
+
+
+def test_the_glossary_explains_what_methods_are_written_after():
+    words = {**BASES, "reconstruction": BASES["reconstruction"].partition(": ")[2]}
+    glossary = " ".join((DOCS / "glossary.md").read_text().split())
+    for name, meaning in words.items():
+        assert f" {name} : A method written after {meaning}" in glossary or f" {name} : {meaning}" in glossary, name
 
 
 def test_listed_modules_import_and_none_of_raster_is_left_out(extension):

@@ -101,7 +101,7 @@ HEEDED = {
     "methods": "json",
     "render": f"method output set preset {SHOT} limit no-file-camera focus-points seed samples stages threads json",
     "export": f"out methods set layers {SHOT} limit no-file-camera focus-points threads json",
-    "compare": f"methods out crop set preset {SHOT} limit no-file-camera focus-points seed tolerance "
+    "compare": f"methods out crop motion set preset {SHOT} limit no-file-camera focus-points seed tolerance "
     "scheduler workers threads json",
     "sweep": f"preset budget quality predict out set {SEEN} limit "
     "no-file-camera focus-points seed tolerance scheduler workers threads json",

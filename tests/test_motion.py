@@ -1,13 +1,18 @@
 """Flicker of made-up methods over a move that is known to the pixel, and of the reference."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from refdof import METHODS, InputError, ThinLens, View
-from refdof.motion import blurred_in_all, flickers, moved_views
+from refdof.comparison import Row
+from refdof.motion import blurred_in_all, flickers, moved_views, small_size, with_motion
+from refdof.report.motion_pictures import moving_png, strips_png
+from refdof.truth.reference import reference_of_view
 from tests import flat_scene
+from tests.fake_comparison import comparison
 from tests.test_kernel_shape import made_up
 
 P, FOCUS = 64.0, 4.0
@@ -84,6 +89,66 @@ def test_methods_flicker_more_than_the_reference():
     # The pinhole's edge jumps once by a pixel, 1/16 of the card's fade: its contrast of 0.3 by 1/16 twice in six times.
     # An eighth of that, over 17 of 22 columns.
     assert min(found["scatter"], found["singlepass"]) > 0.3 / 16 * 2 / 6 / 8
+
+
+def frame_of(one):
+    return round(one.camera.eye[0] * 16.0 * P / FOCUS)
+
+
+def test_a_method_that_swings_in_a_comparison(monkeypatch):
+    def picture(one):
+        image = np.full((24, 32, 3), 0.5, dtype=np.float32)
+        image[:, :22] += (-1.0) ** frame_of(one) / 64.0  # where no frame is sharp
+        image[:, 22:] += frame_of(one) % 3  # does not count
+        return image
+
+    def truth(one, other):
+        # It has a second difference of 2 / 1024 in every frame, and row 7 moves most.
+        image = np.full((24, 32, 3), frame_of(one) ** 2 / 1024.0, dtype=np.float32)
+        image[7] *= 2.0
+        image[:, 22:] = frame_of(one)
+        seen.append(other)
+        return image
+
+    made_up(monkeypatch, picture)
+    seen, told, rows = [], [], [Row("made_up", {}, None, {}, 0.0, 0.0, kind) for kind in ("best", "paper")]
+    given = comparison(methods=())
+    found = with_motion(replace(given, rows=rows), moved_views(view(), 5), 16, truth, lambda *done: told.append(done))
+    # d, -d, d: 4 d. One row of 24 has twice the reference's. Exact in float32, roundings of a mean of float64.
+    own = 2.0 / 1024.0 * 25.0 / 24.0
+    assert found.motion.flicker["reference"] == pytest.approx(own, rel=1e-12)
+    for row in found.rows:
+        assert row.artefacts["flicker"] == found.motion.flicker[row.name] == pytest.approx(4.0 / 64.0 - own, rel=1e-12)
+    assert list(found.motion.pictures) == ["reference", "made_up", "made_up (paper)"]
+    assert (found.motion.row, found.motion.frames, found.motion.size) == (7, 5, (32, 24))
+    assert found.motion.strips["reference"][:, 0, 0].tolist() == [2.0 * k * k / 1024.0 for k in range(5)]
+    assert seen == [0] * 5 + [1] * 5
+    assert told == [(k, 20) for k in range(20)]  # two sequences of the reference, and two rows
+
+
+def test_two_runs_give_the_same_bits():
+    row = Row("scatter", {}, None, {}, 0.0, 0.0)
+
+    def truth(one, other):
+        return reference_of_view(one, samples=16, seed=other).image
+
+    runs = []
+    for _ in range(2):
+        given = replace(comparison(methods=()), rows=(row,))
+        found = with_motion(given, moved_views(view(), 3), 16, truth, lambda *_: None).motion
+        runs.append((found.flicker, moving_png(found), strips_png(found)))
+    assert runs[0] == runs[1]
+
+
+def test_frames_are_small():
+    for size, small in (
+        ((640, 480), (160, 120)),
+        ((48, 36), (48, 36)),
+        ((480, 640), (90, 120)),
+        ((1600, 20), (160, 11)),  # no less than the window of SSIM
+        ((9, 5), (9, 5)),
+    ):
+        assert small_size(size) == small
 
 
 def test_nothing_out_of_focus_has_no_flicker():

@@ -74,10 +74,12 @@ def test_shares_grow_over_steps_and_scenes():
             ("artefacts", 1, 2),
             ("kernels", 0, 2),
             ("lens chart", 0, 1),
+            ("motion", 1, 2),
         ):
             tell(what, done, count)
     assert told[0] == ("a (1 of 2): compiling", 0, 2000)
-    assert told[1] == ("a (1 of 2): reference", 214, 2000)  # 1.5 of 7 parts
-    assert told[4] == ("a (1 of 2): mipmap", 357, 2000)
-    assert told[9] == ("b (2 of 2): compiling", 1000, 2000)
-    assert told[14] == ("b (2 of 2): scores", 1500, 2000)
+    assert told[1] == ("a (1 of 2): reference", 188, 2000)  # 1.5 of 8 parts
+    assert told[4] == ("a (1 of 2): mipmap", 312, 2000)
+    assert told[9] == ("a (1 of 2): motion", 938, 2000)
+    assert told[10] == ("b (2 of 2): compiling", 1000, 2000)
+    assert told[15] == ("b (2 of 2): scores", 1438, 2000)
