@@ -105,6 +105,7 @@ def test_a_method_that_swings_in_a_comparison(monkeypatch):
         image = np.full((24, 32, 3), frame_of(one) ** 2 / 1024.0, dtype=np.float32)
         image[7] *= 2.0
         image[:, 24:] = frame_of(one)
+        image[3, 24:] *= 2.0  # more than row 7, but in focus
         seen.append(other)
         return image
 
