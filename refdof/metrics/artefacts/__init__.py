@@ -76,7 +76,7 @@ KERNEL_FACTS: dict[str, Artefact] = {
 }
 
 MOTION_FACTS: dict[str, Artefact] = {
-    "flicker": Artefact("flicker", 0.0, 5, "with --motion: mean second difference over frames, beyond the reference's"),
+    "flicker": Artefact("flicker", 0.0, 5, "with --motion: mean size of second differences, beyond the reference's"),
 }
 
 LOCATED: dict[str, Artefact] = {**ARTEFACTS, **KERNEL_FACTS, **MOTION_FACTS}
