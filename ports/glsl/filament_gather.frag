@@ -36,7 +36,7 @@ float reaches(float rho, float circle, int level)
 
 vec4 nearestTo(vec2 place, int level)
 {
-    ivec2 last = textureSize(uHalf, level) - 1;
+    ivec2 last = (textureSize(uHalf, 0) >> level) - 1;  // some drivers want one level for all pixels of a size
     return texelFetch(uHalf, clamp(ivec2(floor(place / float(1 << level))), ivec2(0), last), level);
 }
 

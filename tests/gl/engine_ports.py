@@ -66,9 +66,7 @@ def circular(draw, color, depth, coc, params, sources=SOURCES["circular"]):
         parts += [part[..., :3] for part in pair]
         textures = {"uReal": pair[0], "uImaginary": pair[1], "uCircle": coc}
         linear = ("uReal", "uImaginary")
-        weighed = draw(
-            sources["circular_down"], coc.shape, textures, 1, linear, uWeights=(real, imaginary), **words
-        )
+        weighed = draw(sources["circular_down"], coc.shape, textures, 1, linear, uWeights=(real, imaginary), **words)
         picture = picture + weighed[0][..., :3]
     return {"parts": np.concatenate(parts, axis=2)}, picture
 
