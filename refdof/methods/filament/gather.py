@@ -194,13 +194,14 @@ def _add_ring(weighed, at, table, place, moved, about, sums, circles):
             weight = _within(scalar(distance), tap, at) * light[texel]
             before = one if outermost else min(max(tap - border + half, zero), one)
             missed += before
-            circles += weight * before * tap
-            own_circles += weight * (one - before) * tap
-            for c in range(3):
-                sums[0, c] += weight * before * source[texel, c]
-                sums[1, c] += weight * (one - before) * source[texel, c]
-            sums[0, 3] += weight * before
-            sums[1, 3] += weight * (one - before)
+            if weight > zero:
+                circles += weight * before * tap
+                own_circles += weight * (one - before) * tap
+                for c in range(3):
+                    sums[0, c] += weight * before * source[texel, c]
+                    sums[1, c] += weight * (one - before) * source[texel, c]
+                sums[0, 3] += weight * before
+                sums[1, 3] += weight * (one - before)
     if sums[1, 3] > zero:
         if sums[0, 3] > zero:
             nearer = min(max(circles / sums[0, 3] - own_circles / sums[1, 3], zero), one)
@@ -268,10 +269,11 @@ def _add_pair(weighed, pair, about, sums):
     if signed < zero:
         tap = -signed
         weight = share * min(tap, one) * _within(scalar(distance), tap, at) * light[nearer]
-        behind = min(max((signed - nearest - scalar(2)) * scalar(0.5), zero), one)
-        for c in range(3):
-            both = source[pair[0], c] + source[pair[1], c]
-            sums[0, c] += weight * behind * both
-            sums[1, c] += weight * (one - behind) * both
-        sums[0, 3] += scalar(2) * weight * behind
-        sums[1, 3] += scalar(2) * weight * (one - behind)
+        if weight > zero:
+            behind = min(max((signed - nearest - scalar(2)) * scalar(0.5), zero), one)
+            for c in range(3):
+                both = source[pair[0], c] + source[pair[1], c]
+                sums[0, c] += weight * behind * both
+                sums[1, c] += weight * (one - behind) * both
+            sums[0, 3] += scalar(2) * weight * behind
+            sums[1, 3] += scalar(2) * weight * (one - behind)
