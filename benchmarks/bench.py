@@ -62,6 +62,12 @@ def singlepass(rows):
         yield Line(f"singlepass, {row['depth_filter']}", row["refdof_s"], "s", row["llvmpipe_s"], "llvmpipe", goal)
 
 
+def engines(rows):
+    for row in rows["rows"]:
+        what, goal = f"{row['method']}, circles up to {row['largest_px']} px", 1.0 / rows["target_ratio"]
+        yield Line(what, row["refdof_s"], "s", row["llvmpipe_s"], "llvmpipe", goal)
+
+
 def reference(rows):
     for target in rows["targets"]:
         over = target["limit"].startswith(">=")
@@ -122,6 +128,7 @@ RUNS = {
     "raster": ("raster.py", [], raster),
     "mipmap": ("mipmap.py", [], mipmap),
     "singlepass": ("singlepass.py", [], singlepass),
+    "engines": ("engines.py", [], engines),
     "multiview": ("multiview.py", ["--scene", "town", "--tables", "layers"], multiview),
     "lensblur": ("lensblur.py", ["town", "--studies", "default"], lensblur),
     **{

@@ -4,9 +4,9 @@ import numpy as np
 
 from refdof._jit import inline
 from refdof._jit.texel_registers import blend_to
-from refdof._jit.texel_sums import add_blend
+from refdof._jit.texel_sums import add_blend, add_blend_twice
 
-__all__ = ["add_read", "bilinear", "first_of_two", "four_around", "read_to", "texels_around"]
+__all__ = ["add_read", "add_read_twice", "bilinear", "first_of_two", "four_around", "read_to", "texels_around"]
 
 
 @inline
@@ -46,6 +46,13 @@ def add_read(texels, size, u, v, weight, sums, k):
     """Add to row k of sums (K, 4) a picture (H W, 4) of `size` (H, W), read at (u, v) [texels from the corner]."""
     a, b, c, d, across, down = _places(size, u, v)
     add_blend(sums, k, weight, texels, a, b, c, d, across, down)
+
+
+@inline
+def add_read_twice(texels, size, u, v, weights, sums, k):
+    """The same to rows k and k + 1, with a weight of its own each."""
+    a, b, c, d, across, down = _places(size, u, v)
+    add_blend_twice(sums, k, weights, texels, a, b, c, d, across, down)
 
 
 @inline

@@ -147,8 +147,8 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     down, right, left = (
         _reads(x, y, longest, equal, color.dtype) for x, y in ((0.0, 1.0), (_RIGHT, _UP), (-_RIGHT, _UP))
     )
-    picture = np.moveaxis(color, 2, 0)
-    first, second = _means(_padded(picture, longest), _padded(picture, longest), steps, down, right, equal)
+    picture = _padded(np.moveaxis(color, 2, 0), longest)
+    first, second = _means(picture, picture, steps, down, right, equal)
     both = (first + second) * color.dtype.type(1.0 if equal else 0.5)
     recorder.record("coc", lambda: coc)
     recorder.record("steps", lambda: steps)

@@ -226,6 +226,11 @@ def test_a_weighed_blend_is_added_to_its_row_alone(dtype):
     expected[1] += 3.0 * (0.5 * (0.75 * a + 0.25 * b) + 0.5 * (0.75 * c + 0.25 * d))
     add(sums, 1, 3.0, texels, 2, 3, 5, 6, dtype(0.25), dtype(0.5))
     np.testing.assert_array_equal(sums, expected)
+    added = expected[1] - np.arange(4.0, 8.0)
+    add_twice(sums, 1, (1.5, -3.0), texels, 2, 3, 5, 6, dtype(0.25), dtype(0.5))
+    expected[1] += added / 2
+    expected[2] -= added
+    np.testing.assert_array_equal(sums, expected)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -264,6 +269,11 @@ def bilinear(level, u, v):
 @_jit.tile_kernel
 def add(sums, k, weight, texels, a, b, c, d, across, down):
     texel_sums.add_blend(sums, k, weight, texels, a, b, c, d, across, down)
+
+
+@_jit.tile_kernel
+def add_twice(sums, k, weights, texels, a, b, c, d, across, down):
+    texel_sums.add_blend_twice(sums, k, weights, texels, a, b, c, d, across, down)
 
 
 @_jit.tile_kernel

@@ -1,6 +1,7 @@
 """Ports in GLSL: their texts, faults in them, and one draw of a fragment shader into any number of float targets."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from tests.gl import shader
 from tests.ports.cases import mutated
 
-__all__ = ["drawn", "is_caught", "source_of", "with_fault"]
+__all__ = ["Prepared", "drawn", "is_caught", "prepared", "source_of", "with_fault"]
 
 _FOLDER = Path(__file__).parents[2] / "ports" / "glsl"
 
@@ -34,27 +35,56 @@ def is_caught(cases: Iterable[np.ndarray]) -> bool:
     return any(not (np.asarray(worst) <= 2.0).all() for worst in cases)
 
 
-def drawn(
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A shader with its textures, uniforms and float targets, which can be drawn any number of times."""
+
+    work: shader.Pass
+    targets: list[Any]
+    textures: dict[str, Any]
+    uniforms: dict[str, Any]
+
+    def draw(self) -> None:
+        shader.draw(self.work, self.textures, **self.uniforms)
+
+    def pictures(self) -> list[np.ndarray]:
+        """What it drew: (H, W, 4) float32 of each target."""
+        shape = self.work.shape
+        return [np.frombuffer(target.read(alignment=4), dtype="f4").reshape(shape).copy() for target in self.targets]
+
+    def release(self) -> None:
+        """Leave nothing on the device."""
+        for thing in (*self.textures.values(), self.work.target, *self.targets, self.work.triangle, self.work.program):
+            thing.release()
+
+
+def prepared(
     context: Any, source: str, shape: tuple[int, int], textures: dict[str, Any], outputs: int = 1,
     linear: tuple[str, ...] = (), **uniforms: Any,
-) -> list[np.ndarray]:  # fmt: skip
-    """What a shader draws over (H, W) pixels: (H, W, 4) float32 of each of its outputs.
+) -> Prepared:  # fmt: skip
+    """A shader over (H, W) pixels of as many targets as it has outputs.
 
     textures: images (H, W) or (H, W, C), layers (N, H, W, C), or a list of mip levels (h, w, 4), by the sampler's name.
     Levels are read trilinearly, images in `linear` bilinearly, all else at the nearest texel.
-    Nothing is left on the device. A fault may leave a name unused, which the compiler then drops: it is passed over.
+    A fault may leave a name unused, which the compiler then drops: it is passed over.
     """
     height, width = shape
     program = context.program(vertex_shader=shader._FULL_SCREEN_TRIANGLE, fragment_shader=source)
     targets = [context.texture((width, height), 4, dtype="f4") for _ in range(outputs)]
     work = shader.Pass(program, context.vertex_array(program, []), context.framebuffer(targets), (height, width, 4))
     bound = {name: _texture(context, image, name in linear) for name, image in textures.items() if name in program}
-    shader.draw(work, bound, **{name: value for name, value in uniforms.items() if name in program})
-    pictures = [
-        np.frombuffer(target.read(alignment=4), dtype="f4").reshape(height, width, 4).copy() for target in targets
-    ]
-    for thing in (*bound.values(), work.target, *targets, work.triangle, program):
-        thing.release()
+    return Prepared(work, targets, bound, {name: value for name, value in uniforms.items() if name in program})
+
+
+def drawn(
+    context: Any, source: str, shape: tuple[int, int], textures: dict[str, Any], outputs: int = 1,
+    linear: tuple[str, ...] = (), **uniforms: Any,
+) -> list[np.ndarray]:  # fmt: skip
+    """What a shader draws over (H, W) pixels: (H, W, 4) float32 of each of its outputs, as in `prepared`."""
+    ready = prepared(context, source, shape, textures, outputs, linear, **uniforms)
+    ready.draw()
+    pictures = ready.pictures()
+    ready.release()
     return pictures
 
 

@@ -1,14 +1,17 @@
 """The circular method as fragment shaders, both passes: parts and picture, and planted faults."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from refdof.methods import circular
-from tests.gl.port import drawn, is_caught, source_of, with_fault
+from tests.gl import engine_ports
+from tests.gl.port import drawn, is_caught, with_fault
 
 pytestmark = pytest.mark.gl
 
-SOURCES = {name: source_of(name) for name in ("circular_across", "circular_down")}
+SOURCES = engine_ports.SOURCES["circular"]
 # Of values in [0, 1] that are summed with weights of up to 2 in sum: 17 taps twice. Places are rounded to 2^-24 of the
 # picture, 3e-6 px of 50: as much of a step from texel to texel.
 PARTS, PICTURE = 5e-6, 5e-6
@@ -44,21 +47,8 @@ CASES = [scene(37, 50), scene(13, 18)]
 
 def passes(context, color, coc, sources=SOURCES):
     """Parts (H, W, 6 n) and picture (H, W, 3) as the shaders make them."""
-    taps = circular.kernels(PARAMS.components, PARAMS.transition).first.astype(np.float32)
-    words = {"uStep": (1.0 + PARAMS.transition) / (8.0 * PARAMS.fitted_radius), "uLargest": PARAMS.largest_px}
-    parts, picture = [], np.float32(0)
-    for n, (_, _, real, imaginary) in enumerate(circular.COMPONENTS[PARAMS.components]):
-        words["uTaps"] = [tuple(map(float, tap)) for tap in taps[:, n]]
-        textures = {"uColor": color, "uCircle": coc}
-        pair = drawn(context, sources["circular_across"], coc.shape, textures, 2, ("uColor",), **words)
-        parts += [part[..., :3] for part in pair]
-        textures = {"uReal": pair[0], "uImaginary": pair[1], "uCircle": coc}
-        weighed = drawn(
-            context, sources["circular_down"], coc.shape, textures, 1, ("uReal", "uImaginary"),
-            uWeights=(real, imaginary), **words,
-        )  # fmt: skip
-        picture = picture + weighed[0][..., :3]
-    return np.concatenate(parts, axis=2), picture
+    stages, picture = engine_ports.circular(partial(drawn, context), color, None, coc, PARAMS, sources)
+    return stages["parts"], picture
 
 
 @pytest.fixture(scope="module")

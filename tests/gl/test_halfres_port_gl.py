@@ -1,15 +1,17 @@
 """The half-resolution method as fragment shaders, all passes: each stage, the picture, and planted faults."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from refdof.methods import halfres
-from tests.gl.port import drawn, is_caught, source_of, with_fault
+from tests.gl import engine_ports
+from tests.gl.port import drawn, is_caught, with_fault
 
 pytestmark = pytest.mark.gl
 
-NAMES = ("halfres_near", "halfres_mean", "halfres_brightest", "halfres")
-SOURCES = {name: source_of(name) for name in NAMES}
+SOURCES = engine_ports.SOURCES["halfres"]
 LARGEST = 6.0
 # Of values in [0, 1]. Weights of a Gaussian and angles are rounded by the device's exp, sin and cos; places to 2^-24 of
 # the picture and of 192 radians, 1e-5 px of 6: as much of a step from texel to texel. Passes read what others made.
@@ -54,24 +56,9 @@ CASES = [scene(22, 30), scene(13, 17)]  # an odd size's half is rounded up
 
 
 def passes(context, color, coc, sources=SOURCES):
-    """near_spread, means, brightest and the picture as the shaders make them."""
-    blur = np.minimum(np.abs(coc) / np.float32(LARGEST), 1.0)
-    spread, far = np.where(coc <= 0, blur, 0.0), np.where(coc >= 0, blur, 0.0)
-    size = coc.shape
-    half = tuple(int(side / 2 + 0.5) for side in size)
-    for axis in ((1, 0), (0, 1)):
-        spread = drawn(context, sources["halfres_near"], size, {"uNear": spread}, uAxis=axis)[0][..., 0]
-    found = [spread]
-    for circle in (spread, far):
-        textures = {"uColor": color, "uBlur": circle}
-        words = {"uHalf": half[::-1], "uLargest": LARGEST}
-        found += drawn(context, sources["halfres_mean"], half, textures, 1, ("uColor", "uBlur"), **words)
-    for mean in found[1:3]:
-        words = {"uFull": size[::-1], "uLargest": LARGEST}
-        found += drawn(context, sources["halfres_brightest"], half, {"uMean": mean}, 1, ("uMean",), **words)
-    textures = {"uColor": color, "uNear": found[3], "uFar": found[4]}
-    picture = drawn(context, sources["halfres"], size, textures, 1, ("uNear", "uFar"))[0]
-    return found[1:], picture[..., :3]
+    draw = partial(drawn, context)
+    stages, picture = engine_ports.halfres(draw, color, None, coc, halfres.Params(LARGEST), sources)
+    return list(stages.values()), picture
 
 
 @pytest.fixture(scope="module")

@@ -1,14 +1,17 @@
 """The hexagon as a fragment shader, both passes: each stage, the picture, and planted faults."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from refdof.methods import hexagon
-from tests.gl.port import drawn, is_caught, source_of, with_fault
+from tests.gl import engine_ports
+from tests.gl.port import drawn, is_caught, with_fault
 
 pytestmark = pytest.mark.gl
 
-SOURCES = {"hexagon": source_of("hexagon")}
+SOURCES = engine_ports.SOURCES["hexagon"]
 # Of values in [0, 1]. Places of reads are rounded to 2^-24 of the picture, 3e-6 px of 50: as much of a step from texel
 # to texel, of 1 at most; up to 9 reads add as many roundings. The second pass reads the first one's results.
 FIRST, PICTURE = 5e-6, 1e-5
@@ -48,13 +51,8 @@ def params(equal):
 
 
 def passes(context, color, coc, equal, sources=SOURCES):
-    words = {"uLargest": 8.0, "uEqual": equal}
-    textures = {"uDown": color, "uBoth": color, "uCircle": coc}
-    linear = ("uDown", "uBoth")
-    down, both = drawn(context, sources["hexagon"], coc.shape, textures, 2, linear, uFirst=True, **words)
-    textures = {"uDown": down, "uBoth": both, "uCircle": coc}
-    picture, _ = drawn(context, sources["hexagon"], coc.shape, textures, 2, linear, uFirst=False, **words)
-    return down[..., :3], both[..., :3], picture[..., :3]
+    stages, picture = engine_ports.hexagon(partial(drawn, context), color, None, coc, params(equal), sources)
+    return stages["down"], stages["both"], picture
 
 
 @pytest.fixture(scope="module")

@@ -21,32 +21,50 @@ def across(color, spacing, taps, reach):
     out = np.empty((height, width, 3 * parts), dtype=color.dtype)
     flat = taps.reshape(len(taps), parts)
     for y in prange(height):
-        pair = np.empty((2, 3), dtype=color.dtype)
-        source, row, weights, work = borrow(color)[y], borrow(out)[y], borrow(flat), borrow(pair)
+        source, row, weights, near = borrow(color)[y], borrow(out)[y], borrow(flat), borrow(reach)[y]
         for x in range(width):
             for n in range(3 * parts):
                 row[x, n] = weights[0, n // 3] * source[x, n % 3]
             for j in range(1, len(weights)):
                 away = scalar(np.int32(j)) * spacing[y, x]
-                _pair(source, borrow(reach)[y], x, away, work)
+                red, green, blue = _pair(source, near, x, away)
                 for n in range(parts):
-                    for c in range(3):
-                        row[x, 3 * n + c] += weights[j, n] * work[0, c]
+                    row[x, 3 * n] += weights[j, n] * red
+                    row[x, 3 * n + 1] += weights[j, n] * green
+                    row[x, 3 * n + 2] += weights[j, n] * blue
     return out
 
 
 @inline
-def _pair(source, reach, x, away, work):
-    """The sum of the reads `away` px to both sides of pixel x: work[0] (3,)."""
+def _for_each_color(taps):
+    """Each number three times (R, 3 N), so that loops over parts' colours vectorise."""
+    out = np.empty((taps.shape[0], 3 * taps.shape[1]), dtype=taps.dtype)
+    for j in range(out.shape[0]):
+        for n in range(out.shape[1]):
+            out[j, n] = taps[j, n // 3]
+    return out
+
+
+@inline
+def _pair(source, reach, x, away):
+    """The sum of the reads `away` px to both sides of pixel x: three channels."""
     scalar = source.dtype.type
-    for c in range(3):
-        work[0, c] = scalar(0)
-    for side in range(2):
-        first, second, share = _between(scalar(np.int32(x)) + (away if side else -away), len(source))
-        away_from_focus = reach[first] > scalar(0) or reach[second] > scalar(0)
-        for c in range(3):
-            read = source[first, c] + (source[second, c] - source[first, c]) * share
-            work[0, c] += read if away_from_focus else source[x, c]
+    left = _read(source, reach, x, scalar(np.int32(x)) - away)
+    right = _read(source, reach, x, scalar(np.int32(x)) + away)
+    return left[0] + right[0], left[1] + right[1], left[2] + right[2]
+
+
+@inline
+def _read(source, reach, x, place):
+    i, k, share = _between(place, len(source))
+    if not (reach[i] > type(share)(0) or reach[k] > type(share)(0)):
+        i, k = np.int64(x), np.int64(x)
+    first, second = source[i], source[k]
+    return (
+        first[0] + (second[0] - first[0]) * share,
+        first[1] + (second[1] - first[1]) * share,
+        first[2] + (second[2] - first[2]) * share,
+    )
 
 
 @inline
@@ -58,28 +76,32 @@ def _between(place, size):
     return first, min(first + 1, size - 1), cut - kind(np.int32(first))
 
 
+@inline
+def _add_blended(first, second, share, weights, total):
+    for n in range(len(total)):
+        total[n] += weights[n] * (first[n] + (second[n] - first[n]) * share)
+
+
 @kernel
 def down(parts, spacing, taps, reach):
     """What `across` makes (H, W, 6 n) -> (H, W, 3), with taps (R + 1, n, 2) of the second pass."""
     height, width, count = parts.shape
     scalar = parts.dtype.type
-    flat = taps.reshape(len(taps), count // 3)
+    flat = _for_each_color(taps.reshape(len(taps), count // 3))
     out = np.empty((height, width, 3), dtype=parts.dtype)
     for y in prange(height):
         sums = np.empty(count, dtype=parts.dtype)
         source, weights, row, total = borrow(parts), borrow(flat), borrow(out)[y], borrow(sums)
         for x in range(width):
             for n in range(count):
-                total[n] = weights[0, n // 3] * source[y, x, n]
+                total[n] = weights[0, n] * source[y, x, n]
             for j in range(1, len(weights)):
                 away = scalar(np.int32(j)) * spacing[y, x]
                 for side in range(2):
                     first, second, share = _between(scalar(y) + (away if side else -away), height)
                     if not (reach[first, x] > scalar(0) or reach[second, x] > scalar(0)):
                         first, second = np.int64(y), np.int64(y)
-                    for n in range(count):
-                        read = source[first, x, n] + (source[second, x, n] - source[first, x, n]) * share
-                        total[n] += weights[j, n // 3] * read
+                    _add_blended(source[first, x], source[second, x], share, weights[j], total)
             for c in range(3):
                 sum_of_parts = scalar(0)
                 for n in range(c, count, 3):

@@ -33,17 +33,21 @@ def gather(texels, places, least, greatest, moved, most_rings):
 
     texels (T, 4), places (3, levels) starts, widths and heights; least and greatest (h / 8, w / 8); moved (h, w, 2).
     """
-    return _gather(texels, places, least, greatest, moved, most_rings, ring_points().astype(texels.dtype))
+    points, levels = ring_points().astype(texels.dtype), np.repeat(np.arange(len(places[0])), places[1] * places[2])
+    area = (2 << levels).astype(texels.dtype)
+    light = texels.dtype.type(_AREA) / np.maximum(texels[:, 3] * texels[:, 3], area)
+    return _gather(texels, light, places, least, greatest, moved, most_rings, points)
 
 
 @kernel
-def _gather(texels, places, least, greatest, moved, most_rings, points):
+def _gather(texels, light, places, least, greatest, moved, most_rings, points):
     height, width = moved.shape[:2]
     out = np.empty((height, width, 4), dtype=texels.dtype)
     scalar = texels.dtype.type
     for y in prange(height):
         scratch = np.empty((4, 4), dtype=texels.dtype)
         row, source, sums, table = borrow(out)[y], borrow(texels), borrow(scratch), borrow(points)
+        weighed = source, borrow(light)
         levels, offset = borrow(places), borrow(moved)[y]
         for x in range(width):
             low, high = least[y // 8, x // 8], greatest[y // 8, x // 8]
@@ -55,9 +59,9 @@ def _gather(texels, places, least, greatest, moved, most_rings, points):
                     _alike(source, levels, table, pixel, (low, high, most_rings), sums, row)
                 else:
                     if high > scalar(0):
-                        _background(source, levels, table, pixel, (high, most_rings), sums, row)
+                        _background(weighed, levels, table, pixel, (high, most_rings), sums, row)
                     if low < scalar(0):
-                        _foreground(source, levels, table, pixel, (low, most_rings), sums, row)
+                        _foreground(weighed, levels, table, pixel, (low, most_rings), sums, row)
     return out
 
 
@@ -77,12 +81,18 @@ def _level_of(circle, rings):
 
 
 @inline
-def _nearest(levels, level, u, v):
+def _at(levels, level, kind):
+    """A level's start, width and height, and one over the side of its texels, which is exact."""
+    return levels[0, level], levels[1, level], levels[2, level], kind(1) / kind(1 << level)
+
+
+@inline
+def _nearest(at, u, v):
     """The texel of a level at (u, v) [texels of half the size]."""
-    side = 1 << level
-    column = min(max(int(np.floor(u / type(u)(side))), 0), levels[1, level] - 1)
-    row = min(max(int(np.floor(v / type(v)(side))), 0), levels[2, level] - 1)
-    return levels[0, level] + row * levels[1, level] + column
+    start, width, height, scale = at
+    column = min(max(int(np.floor(u * scale)), 0), width - 1)
+    row = min(max(int(np.floor(v * scale)), 0), height - 1)
+    return start + row * width + column
 
 
 @inline
@@ -93,10 +103,10 @@ def _weight(circle, level):
 
 
 @inline
-def _within(distance, circle, level):
+def _within(distance, circle, at):
     """Whether a circle reaches that far, softly."""
     kind = type(circle)
-    return min(max((circle - distance) / kind(1 << level) + kind(0.5), kind(0)), kind(1))
+    return min(max((circle - distance) * at[3] + kind(0.5), kind(0)), kind(1))
 
 
 @inline
@@ -129,9 +139,10 @@ def _alike(source, levels, table, pixel, tile, sums, row):
 
 
 @inline
-def _background(source, levels, table, pixel, tile, sums, row):
+def _background(weighed, levels, table, pixel, tile, sums, row):
     """Rings from outside in; what an inner ring's nearer taps hide of the outer ones is taken away."""
-    scalar, (x, y, across, down) = source.dtype.type, pixel
+    source, (x, y, across, down) = weighed[0], pixel
+    scalar = source.dtype.type
     circle, half, one = abs(source[y * levels[1, 0] + x, 3]), scalar(0.5), scalar(1)
     share = min(max(circle - one, scalar(0)), one)
     if share <= scalar(0):
@@ -143,10 +154,10 @@ def _background(source, levels, table, pixel, tile, sums, row):
     moved = (apart * across, apart * down)
     for n in range(4):
         sums[0, n] = scalar(0)
-    circles = scalar(0)
+    circles, at = scalar(0), _at(levels, level, scalar)
     for inward in range(rings):
         ring = rings - 1 - inward
-        circles = _add_ring(source, levels, table, place, moved, (ring, rings, level, apart), sums, circles)
+        circles = _add_ring(weighed, at, table, place, moved, (ring, rings, apart), sums, circles)
     alpha = sums[0, 3] / _weight(circle * (scalar(rings) + half) / scalar(rings), level)
     alpha = min(max(alpha, scalar(0)), one) * share * share * (scalar(3) - scalar(2) * share)
     if sums[0, 3] > scalar(0):
@@ -156,9 +167,10 @@ def _background(source, levels, table, pixel, tile, sums, row):
 
 
 @inline
-def _add_ring(source, levels, table, place, moved, about, sums, circles):
+def _add_ring(weighed, at, table, place, moved, about, sums, circles):
     """Lay a ring over what is in sums[0], colour and weight; `circles` and the result: the weighted sum of circles."""
-    scalar, (ring, rings, level, apart) = source.dtype.type, about
+    (source, light), (ring, rings, apart) = weighed, about
+    scalar = source.dtype.type
     half, zero, one = scalar(0.5), scalar(0), scalar(1)
     border, radius = apart * (scalar(ring) + half), apart * scalar(ring)
     first = 4 * ring * (ring - 1)
@@ -176,19 +188,20 @@ def _add_ring(source, levels, table, place, moved, about, sums, circles):
         if ring > 0:
             u += half * radius * table[first + k, 0]
             v += half * radius * table[first + k, 1]
-        texel = _nearest(levels, level, u, v)
+        texel = _nearest(at, u, v)
         tap = source[texel, 3]
         if tap > zero:
-            weight = _within(scalar(distance), tap, level) * _weight(tap, level)
+            weight = _within(scalar(distance), tap, at) * light[texel]
             before = one if outermost else min(max(tap - border + half, zero), one)
             missed += before
-            circles += weight * before * tap
-            own_circles += weight * (one - before) * tap
-            for c in range(3):
-                sums[0, c] += weight * before * source[texel, c]
-                sums[1, c] += weight * (one - before) * source[texel, c]
-            sums[0, 3] += weight * before
-            sums[1, 3] += weight * (one - before)
+            if weight > zero:
+                circles += weight * before * tap
+                own_circles += weight * (one - before) * tap
+                for c in range(3):
+                    sums[0, c] += weight * before * source[texel, c]
+                    sums[1, c] += weight * (one - before) * source[texel, c]
+                sums[0, 3] += weight * before
+                sums[1, 3] += weight * (one - before)
     if sums[1, 3] > zero:
         if sums[0, 3] > zero:
             nearer = min(max(circles / sums[0, 3] - own_circles / sums[1, 3], zero), one)
@@ -203,9 +216,10 @@ def _add_ring(source, levels, table, place, moved, about, sums, circles):
 
 
 @inline
-def _foreground(source, levels, table, pixel, tile, sums, row):
+def _foreground(weighed, levels, table, pixel, tile, sums, row):
     """Near taps that reach the pixel, in two layers, over what `row` holds of the background."""
-    scalar, (x, y, across, down) = source.dtype.type, pixel
+    source, (x, y, across, down) = weighed[0], pixel
+    scalar = source.dtype.type
     half, zero, one, k = scalar(0.5), scalar(0), scalar(1), 0
     circle = -tile[0]
     rings = _rings_of(circle, tile[1])
@@ -215,18 +229,19 @@ def _foreground(source, levels, table, pixel, tile, sums, row):
     for n in range(4):
         sums[0, n] = zero
         sums[1, n] = zero
-    texel = _nearest(levels, level, place[0], place[1])
-    _add_pair(source, (texel, texel), (math.hypot(apart * across, apart * down), level, tile[0], half), sums)
+    at = _at(levels, level, scalar)
+    texel = _nearest(at, place[0], place[1])
+    _add_pair(weighed, (texel, texel), (math.hypot(apart * across, apart * down), at, tile[0], half), sums)
     for ring in range(1, rings):
         radius = apart * scalar(ring)
         distance = math.hypot(radius * table[k, 0] + apart * across, radius * table[k, 1] + apart * down)
         for n in range(4 * ring):
             u, v = half * radius * table[k + n, 0], half * radius * table[k + n, 1]
             pair = (
-                _nearest(levels, level, place[0] + u, place[1] + v),
-                _nearest(levels, level, place[0] - u, place[1] - v),
+                _nearest(at, place[0] + u, place[1] + v),
+                _nearest(at, place[0] - u, place[1] - v),
             )
-            _add_pair(source, pair, (distance, level, tile[0], one), sums)
+            _add_pair(weighed, pair, (distance, at, tile[0], one), sums)
         k += 8 * ring
     full = _weight(circle * (scalar(rings) + half) / scalar(rings), level) * scalar((2 * rings - 1) * (2 * rings - 1))
     back = min(max(sums[0, 3] / full, zero), one)
@@ -244,18 +259,21 @@ def _foreground(source, levels, table, pixel, tile, sums, row):
 
 
 @inline
-def _add_pair(source, pair, about, sums):
+def _add_pair(weighed, pair, about, sums):
     """Add two opposite taps, which share the nearer circle, to the layers behind, sums[0], and in front, sums[1]."""
-    scalar, (distance, level, nearest, share) = source.dtype.type, about
+    (source, light), (distance, at, nearest, share) = weighed, about
+    scalar = source.dtype.type
     one, zero = scalar(1), scalar(0)
-    signed = min(source[pair[0], 3], source[pair[1], 3])
+    nearer = pair[0] if source[pair[0], 3] <= source[pair[1], 3] else pair[1]
+    signed = source[nearer, 3]
     if signed < zero:
         tap = -signed
-        weight = share * min(tap, one) * _within(scalar(distance), tap, level) * _weight(tap, level)
-        behind = min(max((signed - nearest - scalar(2)) * scalar(0.5), zero), one)
-        for c in range(3):
-            both = source[pair[0], c] + source[pair[1], c]
-            sums[0, c] += weight * behind * both
-            sums[1, c] += weight * (one - behind) * both
-        sums[0, 3] += scalar(2) * weight * behind
-        sums[1, 3] += scalar(2) * weight * (one - behind)
+        weight = share * min(tap, one) * _within(scalar(distance), tap, at) * light[nearer]
+        if weight > zero:
+            behind = min(max((signed - nearest - scalar(2)) * scalar(0.5), zero), one)
+            for c in range(3):
+                both = source[pair[0], c] + source[pair[1], c]
+                sums[0, c] += weight * behind * both
+                sums[1, c] += weight * (one - behind) * both
+            sums[0, 3] += scalar(2) * weight * behind
+            sums[1, 3] += scalar(2) * weight * (one - behind)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float, Index
+from refdof._jit import borrow, kernel, prange
 from refdof.raster.filters.tiles import Tiles, tiles_of
 
 __all__ = ["LEVELS", "TILE", "Half", "half_of", "noise"]
@@ -34,26 +35,56 @@ class Half(NamedTuple):
 
 def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     """Halve a picture (H, W, 3) and its circles (H, W), px, whose edges are repeated to whole tiles."""
-    kind = color.dtype.type
-    room = [(0, -side % _SHAPE) for side in coc.shape]
-    color, coc = np.pad(color, (*room, (0, 0)), "edge"), np.pad(coc, room, "edge")
-    height, width = coc.shape[0] // 2, coc.shape[1] // 2
-    squares = color.reshape(height, 2, width, 2, 3).swapaxes(1, 2).reshape(height, width, 4, 3)
-    weights = kind(1) / (kind(1) + squares.max(axis=3, keepdims=True))
-    texel = np.empty((height, width, 4), dtype=color.dtype)
-    texel[..., :3] = (squares * weights).sum(axis=2) / weights.sum(axis=2)
-    nearest = coc.reshape(height, 2, width, 2).min(axis=(1, 3)).clip(-largest_px, largest_px)
-    texel[..., 3] = np.where(np.abs(nearest) < 1, kind(0), nearest)
-    tiles = tiles_of(texel[..., 3], TILE).dilated(2)
-    levels = [texel]
+    height, width = (-(-side // _SHAPE) * TILE for side in coc.shape)
+    levels = [_halved(color, coc, height, width, coc.dtype.type(largest_px))]
+    tiles = tiles_of(levels[0][..., 3], TILE).dilated(2)
     while len(levels) < LEVELS:
-        finer = levels[-1].reshape(levels[-1].shape[0] // 2, 2, levels[-1].shape[1] // 2, 2, 4)
-        coarser = finer.mean(axis=(1, 3), dtype=color.dtype)
-        coarser[..., 3] = finer[..., 3].min(axis=(1, 3))
-        levels.append(coarser)
+        levels.append(_coarser(levels[-1]))
     heights, widths = (np.array([level.shape[axis] for level in levels]) for axis in (0, 1))
     starts = np.concatenate([[0], np.cumsum(heights * widths)])
     return Half(np.concatenate([level.reshape(-1, 4) for level in levels]), starts, widths, heights, tiles)
+
+
+@kernel
+def _halved(color, coc, height, width, largest):
+    """Weighted means of four colours, and their nearest circle, 0 below a pixel: (height, width, 4)."""
+    out, scalar = np.empty((height, width, 4), dtype=color.dtype), color.dtype.type
+    one, last_row, last_column = scalar(1), coc.shape[0] - 1, coc.shape[1] - 1
+    for y in prange(height):
+        row, upper, lower = borrow(out)[y], min(2 * y, last_row), min(2 * y + 1, last_row)
+        for x in range(width):
+            left, right = min(2 * x, last_column), min(2 * x + 1, last_column)
+            total, nearest = scalar(0), scalar(largest)
+            for c in range(3):
+                row[x, c] = scalar(0)
+            for k in range(4):
+                j, i = (upper if k < 2 else lower), (left if k % 2 == 0 else right)
+                texel = borrow(color)[j, i]
+                weight = one / (one + max(max(texel[0], texel[1]), texel[2]))
+                for c in range(3):
+                    row[x, c] += weight * texel[c]
+                total += weight
+                nearest = min(nearest, coc[j, i])
+            for c in range(3):
+                row[x, c] /= total
+            nearest = max(nearest, -scalar(largest))
+            row[x, 3] = scalar(0) if abs(nearest) < one else nearest
+    return out
+
+
+@kernel
+def _coarser(finer):
+    """The next mip level of (h, w, 4): mean colours, nearest circles."""
+    height, width, scalar = finer.shape[0] // 2, finer.shape[1] // 2, finer.dtype.type
+    out = np.empty((height, width, 4), dtype=finer.dtype)
+    for y in prange(height):
+        row, upper, lower = borrow(out)[y], borrow(finer)[2 * y], borrow(finer)[2 * y + 1]
+        for x in range(width):
+            i = 2 * x
+            for c in range(3):
+                row[x, c] = ((upper[i, c] + upper[i + 1, c]) + (lower[i, c] + lower[i + 1, c])) * scalar(0.25)
+            row[x, 3] = min(min(upper[i, 3], upper[i + 1, 3]), min(lower[i, 3], lower[i + 1, 3]))
+    return out
 
 
 def noise(height: int, width: int, dtype: np.dtype) -> Float:

@@ -38,10 +38,10 @@ from numpy.typing import NDArray
 from refdof._check import Float, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
+from refdof.methods.filament.combine import BLURRED_ALONE, NOT_BLURRED, OVER, combined
 from refdof.methods.filament.gather import ALIKE, MOST_RINGS, gather
 from refdof.methods.filament.half import TILE, Half, half_of, noise
 from refdof.raster.filters.median import median
-from refdof.raster.filters.resize import resize
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
@@ -175,11 +175,8 @@ def _per_pixel(tiles: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
 
 def _combined(color: Float, half: Half, smooth: Float) -> Float:
     """The blurred picture over the sharp one; alone where everything around is blurred alike, by 2 px at least."""
-    kind, (height, width) = color.dtype.type, color.shape[:2]
     least, greatest = half.tiles
-    alone = (greatest - least <= kind(ALIKE) * np.abs(greatest)) & (np.abs(least) >= 2)
-    blurred = _per_pixel(_largest(half) >= 1, 2 * TILE)[:height, :width, None]
-    alone = _per_pixel(alone, 2 * TILE)[:height, :width, None]
-    soft = resize(smooth, 2 * smooth.shape[0], 2 * smooth.shape[1])[:height, :width]
-    sharp = np.where(alone, kind(0), (kind(1) - soft[..., 3:]) * color)
-    return np.where(blurred, soft[..., :3] + sharp, color)
+    alone = (greatest - least <= color.dtype.type(ALIKE) * np.abs(greatest)) & (np.abs(least) >= 2)
+    tiles = np.where(_largest(half) < 1, NOT_BLURRED, np.where(alone, BLURRED_ALONE, OVER))
+    image: Float = combined(color, smooth, tiles, 2 * TILE)
+    return image

@@ -7,7 +7,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.image.bilinear import add_read, read_to
+from refdof.image.bilinear import add_read, add_read_twice, read_to
 
 __all__ = ["Sorted", "prefilter", "rings", "upsampled"]
 
@@ -131,9 +131,9 @@ def _sorted_sums(source, size, pixel, planes, table, rings, totals):
             if ring == 1:
                 covers *= covers
             weight = light[j, i] * covers
-            far = weight * behind[j, i]
-            add_read(source, size, u, v, far, totals, 0)
-            add_read(source, size, u, v, weight - far, totals, 1)
+            if weight > scalar(0):
+                far = weight * behind[j, i]
+                add_read_twice(source, size, u, v, (far, weight - far), totals, 0)
             k += 1
 
 
