@@ -60,7 +60,7 @@ def _halved(color, coc, height, width, largest):
             for k in range(4):
                 j, i = (upper if k < 2 else lower), (left if k % 2 == 0 else right)
                 texel = borrow(color)[j, i]
-                weight = one / (one + max(max(texel[0], texel[1]), texel[2]))
+                weight = one / (one + max(max(texel[0], texel[1]), max(texel[2], scalar(0))))
                 for c in range(3):
                     row[x, c] += weight * texel[c]
                 total += weight

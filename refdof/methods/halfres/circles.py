@@ -35,8 +35,9 @@ def circles_of(depth: Float, coc: Float, params: Params) -> Circles:
         blur, before = t * t * (kind(3) - kind(2) * t), depth <= kind(params.focus_plane)
     else:
         behind, before = coc >= 0, coc <= 0
-        scaled = np.minimum(np.abs(coc), kind(params.largest_px))
-        blur = scaled / kind(params.largest_px) if params.largest_px > 0 else np.zeros_like(coc)
+        wide = np.abs(coc.astype(np.float64))  # a largest circle may be smaller than any float32
+        blur = wide / params.largest_px if params.largest_px > 0 else np.zeros_like(wide)
+        blur = np.minimum(blur, 1.0).astype(coc.dtype)
     near, far = np.where(before, blur, kind(0)), np.where(behind, blur, kind(0))
     size = max(1, round_half_up(coc.shape[0] / 2)), max(1, round_half_up(coc.shape[1] / 2))
     if params.variant == "pmndrs":

@@ -31,7 +31,7 @@ class Sorted(NamedTuple):
         kind = circle.dtype.type
         with np.errstate(divide="ignore", over="ignore"):
             light = np.minimum(kind(1) / (kind(math.pi) * circle * circle), kind(1.0 / _LEAST_AREA))
-        t = np.clip((depth - nearest) / kind(foreground), kind(0), kind(1))
+        t = np.clip((depth - nearest).astype(np.float64) / foreground, 0.0, 1.0).astype(circle.dtype)
         return cls(circle, light, t * t * (kind(3) - kind(2) * t))
 
 

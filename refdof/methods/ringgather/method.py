@@ -126,7 +126,7 @@ def blur(
     as_instance("params", params, Params)
     recorder, given = StageRecorder(as_stages(stages)), depth
     color, _, coc = as_images(color, depth, coc)
-    cut = np.minimum(np.asarray(given), _FARTHEST).astype(color.dtype)
+    cut = np.minimum(np.asarray(given, dtype=np.float64), _FARTHEST).astype(color.dtype)
     image = _blur(color, cut, coc, params, recorder)
     return Staged(image, recorder.stages) if recorder.on else image
 
