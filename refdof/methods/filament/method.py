@@ -7,7 +7,7 @@ Google's Filament.
 4. Else background: rings from outside in, of which nearer taps hide the outer ones               `gather._background`
 5. and foreground: near taps in two layers, over the background                                   `gather._foreground`
 6. Median of nine                                                            `refdof.raster.filters.median`
-7. Over the sharp picture, by alpha                                                                   `_combined`
+7. Over the sharp picture, by alpha                                                          `combine.combined`
 
 Stages: "coc" (H, W) px; of half the size, filled up to whole tiles: "half", "gathered", "median", (h, w, 4), circle or
 alpha last; "least", "greatest", a number for every tile.
