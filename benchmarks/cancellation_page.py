@@ -11,7 +11,9 @@ __all__ = ["section"]
 _UNIT = 2.0**-23
 _INTRODUCTION = """Some formulas of depth of field take the difference of two numbers that are nearly the same. In
 float32, in which shaders work, little is left of it. Each is here in the form in which papers and engines have it, with
-what that loses, and in a form that keeps its digits, in Python and in GLSL. Take the second one.
+what that loses, and in a form that keeps its digits, in Python and in GLSL. Take the second one. Inputs are
+finite. At infinity take the limit beforehand, since `inf / inf` is no number: the circle is `scale / focus` for an
+infinite depth, and `-scale / depth` for an infinite focus.
 
 Errors are counted in units of 2^-23 of the true value: the last place of float32, or half of it. At 8e6 nothing is
 right. Both forms were taken in float32 for {count} inputs that are even over the logarithm, and compared with the

@@ -36,9 +36,10 @@ def stability(
     threads: Threads = None,
     as_json_text: AsJson = False,
 ) -> None:
-    """Run every method at the numerical extremes: pass, degraded or broken.
+    """Run every method at the numerical extremes: pass, refused, degraded or broken.
 
     About a minute on two cores, and some more to compile at first. The exit status is 0 if nothing is broken.
+    The page docs/stability.md has the words, and what each case and figure is.
     """
     set_threads(threads)
     names = list(METHODS) if methods is None else _distinct("methods", listed(methods))
@@ -64,7 +65,7 @@ def _named(names: Sequence[str]) -> list[Case]:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
             hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"only: got {name!r:.80}; {hint}allowed are names of cases, such as {CASES[0].name}")
+            raise InputError(f"only: got {name!r:.80}; {hint}allowed are {', '.join(known)}")
     return [case for case in CASES if case.name in names]
 
 

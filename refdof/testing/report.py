@@ -56,7 +56,8 @@ class Failure:
             return f"{self.promise}: the function {self.broken}; on a picture {width} px wide and {height} px high"
         lines = [f"{self.promise}: {self.statement}", f"  picture: {width} px wide, {height} px high"]
         rest = self.picture.unlike()
-        lines.append(f"    all but {len(rest)}: " + self._pixel(self.picture.usual()))
+        most = f"all but {len(rest)}" if rest else "all pixels"
+        lines.append(f"    {most}: " + self._pixel(self.picture.usual()))
         lines += [f"    row {y}, column {x}: " + self._pixel((y, x)) for y, x in rest[:_MOST_LINES]]
         if len(rest) > _MOST_LINES:
             lines.append(f"    and {len(rest) - _MOST_LINES} more")
