@@ -14,6 +14,7 @@ from refdof.methods import METHODS
 from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.progress import progress_line
 from refdof.stability import CASES, Case, as_json, counts_of, html_page, matrix, terminal_text
+from refdof.stability.ahead import compile_twins
 from refdof.stability.verdict import BROKEN
 from refdof.warm import job_of, warm
 
@@ -51,6 +52,7 @@ def stability(
     with progress_line("stability") as tell:
         if only is None:
             warm([job_of(name, "best") for name in names], tell, at_least=2)
+            compile_twins(names, tell)
         cells = matrix(names, cases, tell)
     print(json.dumps(as_json(cells), indent=2, allow_nan=False) if as_json_text else terminal_text(cells))
     if html_file is not None:
