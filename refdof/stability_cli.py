@@ -37,9 +37,10 @@ def stability(
     threads: Threads = None,
     as_json_text: AsJson = False,
 ) -> None:
-    """Run every method at the numerical extremes: pass, refused, degraded or broken.
+    """Run every method at the numerical extremes.
 
-    About a minute on two cores, and some more to compile at first. The exit status is 0 if nothing is broken.
+    Each pair of a case and a method is pass, refused, degraded or broken. It takes about a minute on two cores, and
+    some more to compile at first. The exit status is 0 if nothing is broken.
     The page docs/stability.md has the words, and what each case and figure is.
     """
     set_threads(threads)

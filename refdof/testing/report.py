@@ -99,8 +99,11 @@ class Report:
 
     def __str__(self) -> str:
         failed = {failure.promise for failure in self.failures}
-        held = [name for name in self.tested if name not in failed]
+        held = [name for name, pictures in self.tested.items() if name not in failed and pictures]
+        silent = [name for name, pictures in self.tested.items() if name not in failed and not pictures]
         lines = [f"{len(held)} of {len(self.tested)} promises hold: {', '.join(held) or 'none'}"]
+        if silent:
+            lines.append(f"no picture had anything to tell of: {', '.join(silent)}")
         if self.skipped:
             lines.append(f"not checked: {', '.join(self.skipped)}")
         return "\n".join([*lines, *map(str, self.failures)])
