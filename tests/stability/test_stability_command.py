@@ -1,15 +1,15 @@
 """The command `refdof stability`: its text, its JSON, its page, its exit status, and one line for bad input."""
 
 import json
-import sys
 
 import pytest
 from typer.testing import CliRunner
 
 from refdof import stability_cli
-from refdof.cli import app, main
+from refdof.cli import app
 from refdof.stability import CASES
 from refdof.stability.verdict import Cell, Figure
+from tests.one_line import refused
 
 pytestmark = pytest.mark.fast
 
@@ -91,14 +91,7 @@ def test_the_page_needs_nothing_else(tmp_path):
     ],
 )
 def test_bad_input_is_one_line(monkeypatch, capsys, words, message):
-    monkeypatch.setattr(sys, "argv", ["refdof", "stability", *words])
-    with pytest.raises(SystemExit) as status:
-        main()
-    assert status.value.code == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert len(err.strip().splitlines()) == 1, err
-    assert message in err
+    assert message in refused(monkeypatch, capsys, "stability", *words)
 
 
 def test_help(monkeypatch):

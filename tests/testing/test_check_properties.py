@@ -96,7 +96,9 @@ def test_a_mistake_is_shown_on_the_fewest_pixels(function, promise, size, unlike
 )
 def test_other_mistakes_are_found(function, promise):
     words = WITH_LENS if function in (filters.by_width, filters.in_metres, filters.far_plane) else {}
-    failure(function, promise, **words)
+    found = failure(function, promise, **words)
+    assert found.promise == promise
+    assert abs(found.expected - found.got) > 1e-5  # the default tolerance, of values of 1/4 or more
 
 
 def test_a_mistake_breaks_only_what_it_must():
