@@ -11,17 +11,20 @@ __all__ = ["section"]
 _UNIT = 2.0**-23
 _INTRODUCTION = """Some formulas of depth of field take the difference of two numbers that are nearly the same. In
 float32, in which shaders work, little is left of it. Each is here in the form in which papers and engines have it, with
-what that loses, and in a form that keeps its digits, in Python and in GLSL. Take the second one.
+what that loses, and in a form that keeps its digits, in Python and in GLSL. Take the second one. Inputs are
+finite. At infinity take the limit beforehand, since `inf / inf` is no number: the circle is `scale / focus` for an
+infinite depth, and `-scale / depth` for an infinite focus.
 
 Errors are counted in units of 2^-23 of the true value: the last place of float32, or half of it. At 8e6 nothing is
 right. Both forms were taken in float32 for {count} inputs that are even over the logarithm, and compared with the
 naive form in 50 digits. The last column is the error of refdof's own function as a share of the value: most work in
 float64. `python benchmarks/cancellation.py` makes this section; its inputs have one seed."""
-_HELPERS = """`product_plus(a, b, c)` is a b + c as if rounded once. In NumPy it is
-`(a.astype(float64) * b + c).astype(float32)` for float32; other functions are NumPy's. Where `fma` is a true one it is
-the same. It need not be: Mesa's software renderer rounds twice. The helper needs `precise`, GLSL version 400. Shaders
-may divide and take roots with errors of 2.5 units, and some have a `log`, an `exp` and an `asin` of few digits. The
-others keep digits where these lose them:"""
+_HELPERS = """`product_plus(a, b, c)` is a b + c without the rounding of the product: right where the sum cancels,
+else within a unit. In NumPy it is `(a.astype(float64) * b + c).astype(float32)` for float32; other
+functions are NumPy's. Where `fma` is a true one it does as well. It need not be: Mesa's software
+renderer rounds twice. The helper needs `precise`, GLSL version 400. Shaders may divide and take roots
+with errors of 2.5 units, and some have a `log`, an `exp` and an `asin` of few digits. The others keep
+digits where these lose them:"""
 
 
 def section(formulas: Iterable[Formula], figures: Mapping[str, Any], helpers: str, count: int) -> str:

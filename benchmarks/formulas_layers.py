@@ -15,7 +15,7 @@ def _bound_naive(scale, focus, circle):
 
 
 def _bound_ours(scale, focus, circle):
-    return focus * (scale / -product_plus(circle, focus, -scale))
+    return focus * (scale / product_plus(-circle, focus, scale))
 
 
 def _bound_code(scale, focus, circle):
@@ -96,7 +96,7 @@ def _umbra_naive(radius, half, depth):
 
 
 def _umbra_ours(radius, half, depth):
-    return depth * (radius / -product_plus(depth, half, -radius))
+    return depth * (radius / product_plus(-depth, half, radius))
 
 
 def _umbra_code(radius, half, depth):
@@ -119,7 +119,7 @@ FORMULAS = [
         _bound_naive,
         _bound_ours,
         """float depth_of_circle(float scale, float focus, float circle) {
-    return focus * (scale / -product_plus(circle, focus, -scale));
+    return focus * (scale / product_plus(-circle, focus, scale));
 }""",
         _draw_bound,
         2.5,
@@ -184,7 +184,7 @@ FORMULAS = [
         _umbra_naive,
         _umbra_ours,
         """float umbra(float radius, float half_, float depth) {
-    return depth * (radius / -product_plus(depth, half_, -radius));
+    return depth * (radius / product_plus(-depth, half_, radius));
 }""",
         _draw_umbra,
         2.5,

@@ -71,7 +71,7 @@ def _buffer_naive(scale, focus, near, device):
 
 
 def _buffer_ours(scale, focus, near, device):
-    return scale / (focus * near) * -product_plus(device, focus, -near)
+    return scale / (focus * near) * product_plus(-device, focus, near)
 
 
 def _buffer_code(scale, focus, near, device):
@@ -201,7 +201,7 @@ FORMULAS = [
         _buffer_naive,
         _buffer_ours,
         """float buffer_circle(float scale, float focus, float near, float device) {
-    return scale / (focus * near) * -product_plus(device, focus, -near);
+    return scale / (focus * near) * product_plus(-device, focus, near);
 }""",
         _draw_buffer,
         3.0,

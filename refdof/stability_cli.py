@@ -14,6 +14,7 @@ from refdof.methods import METHODS
 from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.progress import progress_line
 from refdof.stability import CASES, Case, as_json, counts_of, html_page, matrix, terminal_text
+from refdof.stability.ahead import compile_twins
 from refdof.stability.verdict import BROKEN
 from refdof.warm import job_of, warm
 
@@ -36,9 +37,11 @@ def stability(
     threads: Threads = None,
     as_json_text: AsJson = False,
 ) -> None:
-    """Run every method at the numerical extremes: pass, degraded or broken.
+    """Run every method at the numerical extremes.
 
-    About a minute on two cores, and some more to compile at first. The exit status is 0 if nothing is broken.
+    Each pair of a case and a method is pass, refused, degraded or broken. It takes about a minute on two cores, and
+    some more to compile at first. The exit status is 0 if nothing is broken.
+    The page docs/stability.md has the words, and what each case and figure is.
     """
     set_threads(threads)
     names = list(METHODS) if methods is None else _distinct("methods", listed(methods))
@@ -50,6 +53,7 @@ def stability(
     with progress_line("stability") as tell:
         if only is None:
             warm([job_of(name, "best") for name in names], tell, at_least=2)
+            compile_twins(names, tell)
         cells = matrix(names, cases, tell)
     print(json.dumps(as_json(cells), indent=2, allow_nan=False) if as_json_text else terminal_text(cells))
     if html_file is not None:
@@ -64,7 +68,7 @@ def _named(names: Sequence[str]) -> list[Case]:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
             hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"only: got {name!r:.80}; {hint}allowed are names of cases, such as {CASES[0].name}")
+            raise InputError(f"only: got {name!r:.80}; {hint}allowed are {', '.join(known)}")
     return [case for case in CASES if case.name in names]
 
 

@@ -13,9 +13,10 @@ from typer.testing import CliRunner
 
 from refdof import METHODS, SCENES
 from refdof._jit import JIT_DISABLED, thread_count
-from refdof.cli import app, main
+from refdof.cli import app
 from refdof.image.file import load_image
 from refdof.methods._contract import BASES
+from tests.one_line import refused
 
 SMALL = ["--size", "48x36", "--samples", "64"]
 
@@ -351,12 +352,5 @@ def test_bad_input_from_a_shell():
 )
 def test_bad_input_is_one_line_and_status_2(tmp_path, monkeypatch, capsys, words, message):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["refdof", *words])
-    with pytest.raises(SystemExit) as status:
-        main()
-    assert status.value.code == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert len(err.strip().splitlines()) == 1, err
-    assert message in err
+    assert message in refused(monkeypatch, capsys, *words)
     assert not list(tmp_path.rglob("*.png"))

@@ -5,8 +5,10 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -88,8 +90,12 @@ def test_names_in_the_text_exist(page):
     for module in re.findall(r"^from (refdof\.\S+) import ", text, flags=re.MULTILINE):
         import_module(module)
     for name in set(re.findall(r"(?<![\w/.])refdof(?:\.[A-Za-z_]\w*)+", text)):
-        value = refdof
+        value, path = refdof, "refdof"
         for part in name.split(".")[1:]:
+            path = f"{path}.{part}"
+            if isinstance(value, ModuleType):
+                with suppress(ModuleNotFoundError):
+                    import_module(path)
             assert hasattr(value, part), name
             value = getattr(value, part)
             if isinstance(value, dict | tuple):

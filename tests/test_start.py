@@ -67,8 +67,9 @@ def test_the_help_lists_every_command_as_it_describes_itself():
         name: home.help for name, home in COMMANDS.items()
     }
     listed = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "80"}).output
+    widest = max(map(len, COMMANDS))
     for name, home in COMMANDS.items():
-        assert f"  {name:9} {home.help}\n" in listed  # in one line, whole
+        assert f"  {name:{widest}}  {home.help}\n" in listed  # in one line, whole
 
 
 def test_ways_to_ask_for_help():

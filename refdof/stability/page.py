@@ -55,10 +55,17 @@ def terminal_text(cells: Sequence[Cell]) -> str:
     lines.append("")
     for cell in cells:
         if cell.verdict in (DEGRADED, BROKEN):
-            stage = f" (first in the stage {cell.first_stage!r})" if cell.first_stage else ""
-            lines.append(f"{cell.verdict}: {cell.case}, {cell.method}: {cell.note}{stage}")
+            stage = f" (float32 errs first in the stage {cell.first_stage!r})" if cell.first_stage else ""
+            lines.append(f"{cell.verdict}: {cell.case}, {cell.method}: {_above(cell)}{cell.note}{stage}")
     lines.append(_counted(cells))
     return "\n".join(lines)
+
+
+def _above(cell: Cell) -> str:
+    """The figures that are above their bounds."""
+    figures = [figure for figure in cell.figures if not figure.holds]
+    told = [f"{one.name} {_shown(one.value)} {one.unit}, at most {_shown(one.bound)}" for one in figures]
+    return "".join(f"{text}. " for text in told)
 
 
 def as_json(cells: Sequence[Cell]) -> dict[str, Any]:
@@ -69,6 +76,7 @@ def as_json(cells: Sequence[Cell]) -> dict[str, Any]:
                 "case": cell.case,
                 "method": cell.method,
                 "verdict": cell.verdict,
+                "word": word_of(cell),
                 "note": cell.note,
                 "error_ulp": _number(cell.error),
                 "non_finite": cell.non_finite,
@@ -201,18 +209,23 @@ def _degraded(cells: Sequence[Cell]) -> str:
 
 def _expectations(rows: Sequence[tuple[Case, list[Cell]]]) -> list[list[str]]:
     """Every figure once, with its bound, or the range of bounds, and the cases that have it."""
-    found: dict[tuple[str, str, str], tuple[list[float], list[str]]] = {}
+    found: dict[tuple[str, str, str], tuple[list[float], list[str], list[str]]] = {}
+    methods = list(dict.fromkeys(cell.method for _, row in rows for cell in row))
     for case, row in rows:
         for cell in row:
             for figure in cell.figures:
-                bounds, names = found.setdefault((figure.name, figure.unit, figure.reason), ([], []))
+                bounds, names, whose = found.setdefault((figure.name, figure.unit, figure.reason), ([], [], []))
                 bounds.append(figure.bound)
                 if case.name not in names:
                     names.append(case.name)
+                if cell.method not in whose:
+                    whose.append(cell.method)
     table = []
-    for (name, unit, reason), (bounds, names) in found.items():
+    for (name, unit, reason), (bounds, names, whose) in found.items():
         least, most = _shown(min(bounds)), _shown(max(bounds))
         where = "all that run" if len(names) > len(rows) / 2 else ", ".join(f"`{one}`" for one in names)
+        if len(whose) <= len(methods) / 2:
+            where += f" ({', '.join(whose)})"
         table.append([where, name, f"{least if least == most else f'{least} .. {most}'} {unit}".rstrip(), reason])
     return table
 

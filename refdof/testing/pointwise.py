@@ -79,11 +79,11 @@ def radius(run: Filter, case: Case, room: Room) -> Compared | None:
     picture = case.picture
     if not _is_lamp(picture, room):
         return None
-    spread = _second_moment(run(picture)) - _second_moment(picture.color)
-    if math.isnan(spread):  # no light is left: that is for `energy`
-        return None
     # A disc of radius c has the second moment c^2 / 2.
-    ideal, found = picture.largest / math.sqrt(2.0), math.sqrt(max(spread, 0.0))
+    ideal, spread = picture.largest / math.sqrt(2.0), _second_moment(run(picture)) - _second_moment(picture.color)
+    if math.isnan(spread):
+        return Compared(np.array(1.0), np.array(0.0), 0.5, said="spots; no light is left")
+    found = math.sqrt(max(spread, 0.0))
     return Compared(np.array(ideal), np.array(found), _HARD_EDGE, said="RMS radius of the spot in px")
 
 

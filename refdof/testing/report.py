@@ -56,7 +56,8 @@ class Failure:
             return f"{self.promise}: the function {self.broken}; on a picture {width} px wide and {height} px high"
         lines = [f"{self.promise}: {self.statement}", f"  picture: {width} px wide, {height} px high"]
         rest = self.picture.unlike()
-        lines.append(f"    all but {len(rest)}: " + self._pixel(self.picture.usual()))
+        most = f"all but {len(rest)}" if rest else "all pixels"
+        lines.append(f"    {most}: " + self._pixel(self.picture.usual()))
         lines += [f"    row {y}, column {x}: " + self._pixel((y, x)) for y, x in rest[:_MOST_LINES]]
         if len(rest) > _MOST_LINES:
             lines.append(f"    and {len(rest) - _MOST_LINES} more")
@@ -98,8 +99,11 @@ class Report:
 
     def __str__(self) -> str:
         failed = {failure.promise for failure in self.failures}
-        held = [name for name in self.tested if name not in failed]
+        held = [name for name, pictures in self.tested.items() if name not in failed and pictures]
+        silent = [name for name, pictures in self.tested.items() if name not in failed and not pictures]
         lines = [f"{len(held)} of {len(self.tested)} promises hold: {', '.join(held) or 'none'}"]
+        if silent:
+            lines.append(f"no picture had anything to tell of: {', '.join(silent)}")
         if self.skipped:
             lines.append(f"not checked: {', '.join(self.skipped)}")
         return "\n".join([*lines, *map(str, self.failures)])

@@ -268,9 +268,8 @@ def _fill_packets(rays, strands, cells, used, packets, integers):
             source = entry if cells == 1 else (entry & (cells - 1)) * strands + (entry >> shift)
             packets[k, _X, lane] = rays[0, source]
             packets[k, _Y, lane] = rays[1, source]
-            dx, dy = rays[2, source], rays[3, source]
-            packets[k, _DX, lane] = dx if abs(dx) >= _LEAST else 0.0
-            packets[k, _DY, lane] = dy if abs(dy) >= _LEAST else 0.0
+            packets[k, _DX, lane] = rays[2, source] if abs(rays[2, source]) >= _LEAST else 0.0
+            packets[k, _DY, lane] = rays[3, source] if abs(rays[3, source]) >= _LEAST else 0.0
             packets[k, _FAR, lane] = np.inf
             integers[k, _GEOM, lane] = -1
 

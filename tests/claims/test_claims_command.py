@@ -1,13 +1,13 @@
 """The command `refdof claims`: its text, its JSON, and one line for bad input."""
 
 import json
-import sys
 
 import pytest
 from typer.testing import CliRunner
 
 from refdof.claims import SOURCES
-from refdof.cli import app, main
+from refdof.cli import app
+from tests.one_line import refused
 
 pytestmark = pytest.mark.fast
 
@@ -63,11 +63,4 @@ def test_what_no_cpu_tells_says_why():
     ],
 )
 def test_bad_input_is_one_line(monkeypatch, capsys, words, message):
-    monkeypatch.setattr(sys, "argv", ["refdof", "claims", *words])
-    with pytest.raises(SystemExit) as status:
-        main()
-    assert status.value.code == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert len(err.strip().splitlines()) == 1, err
-    assert message in err
+    assert message in refused(monkeypatch, capsys, "claims", *words)

@@ -38,7 +38,7 @@ def test_lensblur_extends_samples_as_far_as_they_hide_others(peel, extension):
     # An umbra ends where the lens sees past half a pixel, or past a whole one; a quarter of a pixel more closes slits.
     projection, lens = flat_scene.camera(4, 3, 4.0), ThinLens(0.5, 1.0)
     view = View(flat_scene.scene_of([flat_scene.rectangle(-9, 9, -9, 9, 2.0)], projection, lens), projection, lens)
-    stack = lensblur._stack(view, view.layers(1), lensblur.Params(peel=peel, layers=1))
+    stack = lensblur._stack(view, view.layers(1), lensblur.Params(peel=peel, layers=1), np.float32)
     assert stack.extension == extension
     assert stack.last == 0  # more layers may lie behind
     assert_allclose(stack.packs[..., 0], 4.0 * 0.5 / 2.0, rtol=1e-6)  # px of parallax, float32

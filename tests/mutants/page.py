@@ -31,7 +31,8 @@ seconds, or if the package cannot be imported.
 ## By room
 
 *At first* is before tests were added for survivors: what the fast tests caught, and compiled ones where they were
-tried. *No change* are faults that change no result, or none that is promised.
+tried. It is the rate to expect of other faults; the last one is of faults that tests were then written for. *No change*
+are faults that change no result, or none that is promised.
 
 {table}
 

@@ -1,15 +1,15 @@
 """The command `refdof stability`: its text, its JSON, its page, its exit status, and one line for bad input."""
 
 import json
-import sys
 
 import pytest
 from typer.testing import CliRunner
 
 from refdof import stability_cli
-from refdof.cli import app, main
+from refdof.cli import app
 from refdof.stability import CASES
 from refdof.stability.verdict import Cell, Figure
+from tests.one_line import refused
 
 pytestmark = pytest.mark.fast
 
@@ -58,7 +58,8 @@ def broken(*_):
 def test_broken_cells_are_told_and_fail(monkeypatch, tmp_path):
     monkeypatch.setattr(stability_cli, "matrix", broken)
     text = stability("--only", "size-1x1", "--html", str(tmp_path / "page.html"), status=1)
-    assert "broken: size-1x1, separable: constant: <nan> (first in the stage 'across')" in text
+    said = "constant no number ulp, at most 1. constant: <nan> (float32 errs first in the stage 'across')"
+    assert f"broken: size-1x1, separable: {said}" in text
     page = (tmp_path / "page.html").read_text()
     assert "constant: &lt;nan&gt;" in page
     assert "no number" in page
@@ -82,22 +83,15 @@ def test_the_page_needs_nothing_else(tmp_path):
         (["--methods", "separabel"], "methods: got 'separabel'; did you mean 'separable'?"),
         (["--methods", "separable,separable"], "methods: got 'separable' twice; allowed is once"),
         (["--methods", ""], "methods: got ''"),
-        (["--only", "depth-zer"], "only: got 'depth-zer'; did you mean 'depth-zero'? allowed are names of cases"),
-        (["--only", "depth-zero,"], "only: got ''; allowed are names of cases, such as " + CASES[0].name),
+        (["--only", "depth-zer"], "only: got 'depth-zer'; did you mean 'depth-zero'? allowed are " + CASES[0].name),
+        (["--only", "depth-zero,"], "only: got ''; allowed are " + CASES[0].name),
         (["--threads", "0"], "threads: got 0"),
         (["--html", "."], "html: got '.', which is not a regular file"),
         (["--html", "/dev/null/page.html"], "html: "),
     ],
 )
 def test_bad_input_is_one_line(monkeypatch, capsys, words, message):
-    monkeypatch.setattr(sys, "argv", ["refdof", "stability", *words])
-    with pytest.raises(SystemExit) as status:
-        main()
-    assert status.value.code == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert len(err.strip().splitlines()) == 1, err
-    assert message in err
+    assert message in refused(monkeypatch, capsys, "stability", *words)
 
 
 def test_help(monkeypatch):

@@ -26,6 +26,11 @@ def gather(color, depth, coc, *, scale=1.0, right=None, mode="constant", share=1
     return out
 
 
+def black(color, depth, coc):
+    """All light is lost."""
+    return 0.0 * color
+
+
 def leaking(color, depth, coc):
     """What is blurred loses a hundredth of its light."""
     return gather(color, depth, coc, share=0.99)

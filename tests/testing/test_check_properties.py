@@ -37,6 +37,12 @@ def test_a_right_filter_keeps_all_promises():
     assert min(report.tested.values()) >= 5
 
 
+def test_a_light_that_is_lost_has_no_radius():
+    found = failure(filters.black, "radius")
+    assert "no light is left" in str(found)
+    assert (found.expected, found.got) == (1.0, 0.0)
+
+
 def test_a_right_filter_from_camera_and_lens_with_alpha():
     promises = ("call", "constant", "radius", "crop", "channels", "units", "far")
     assert check_properties(filters.own_circles, promises, reach=1.0, examples=20, channels=4, **WITH_LENS).passed
@@ -90,7 +96,9 @@ def test_a_mistake_is_shown_on_the_fewest_pixels(function, promise, size, unlike
 )
 def test_other_mistakes_are_found(function, promise):
     words = WITH_LENS if function in (filters.by_width, filters.in_metres, filters.far_plane) else {}
-    failure(function, promise, **words)
+    found = failure(function, promise, **words)
+    assert found.promise == promise
+    assert abs(found.expected - found.got) > 1e-5  # the default tolerance, of values of 1/4 or more
 
 
 def test_a_mistake_breaks_only_what_it_must():
@@ -121,7 +129,7 @@ def test_a_filter_of_one_line_says_all_in_its_text():
     found = failure(filters.leaking, "constant")
     assert str(found).splitlines()[1:] == [
         "  picture: 1 px wide, 1 px high",
-        "    all but 0: color (1, 0, 0), depth inf, circle 0.5 px",
+        "    all pixels: color (1, 0, 0), depth inf, circle 0.5 px",
         "  row 0, column 0, channel 0: expected 1, got 0.99000001",  # the nearest float32
     ]
 

@@ -95,7 +95,7 @@ def test_a_report_that_fails_travels_with_its_error():
         "1 of 2 promises hold: call",
         "energy: words",
         "  picture: 1 px wide, 1 px high",
-        "    all but 0: color (0, 0, 0), depth inf, circle 2 px",
+        "    all pixels: color (0, 0, 0), depth inf, circle 2 px",
         "  sums",
         "  channel 2: expected 1, got 0.5",
     ]
