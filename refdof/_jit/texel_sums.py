@@ -1,19 +1,25 @@
-"""Weighted sums of blended texels in vector registers, where loops over four channels do not vectorise.
+"""Weighted sums of blended texels in vector registers, where loops over channels do not vectorise.
 
-Texels (T, 4) and sums (K, 4) are contiguous; places are int64 and count texels. Numbers are of the sums' type, every
-operation is rounded. Without compilation the same is done by NumPy.
+1. two texels above two, weighed by numbers        `add_blend`, `add_blend_twice`
+2. two pairs of a line, weighed channel by channel `add_pairs`, `add_pairs_of_four`
+
+Texels (T, C) and sums (K, C) are contiguous, four channels or eight; places are int64 and count texels. Numbers are of
+the sums' type, every operation is rounded. Without compilation the same is done by NumPy.
 """
 
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._jit.texel_registers import blend_vectors, load, spread, store
+from refdof._jit.texel_registers import blend_vectors, load, pick, plain_lerp, spread, store
 
-__all__ = ["add_blend", "add_blend_twice"]
+__all__ = ["WIDE", "add_blend", "add_blend_twice", "add_pairs", "add_pairs_of_four"]
+
+WIDE = 8  # channels of `add_pairs`
 
 
 @intrinsic
@@ -44,6 +50,35 @@ def _add_blend(
     return signature, generate
 
 
+@intrinsic
+def _add_pairs(
+    typingctx: Any, sums: Any, k: Any, weights: Any, m: Any, texels: Any, four: Any, a: Any, b: Any, c: Any, d: Any,
+    s: Any, t: Any,
+) -> Any:  # fmt: skip
+    wide, lanes = sums.dtype, WIDE if isinstance(four, types.NoneType) else 4
+    signature = types.void(sums, k, weights, m, texels, four, a, b, c, d, wide, wide)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        def texel(n: int, place: Any, count: int = WIDE) -> Any:
+            base = context.make_array(signature.args[n])(context, builder, arguments[n]).data
+            at = builder.mul(place, ir.Constant(place.type, count // 4))  # places of `load` count fours
+            return base, at, load(builder, base, at, count)
+
+        reads = []
+        for first, second, share in ((6, 7, 10), (8, 9, 11)):
+            pair = (texel(4, arguments[n], lanes)[2] for n in (first, second))
+            reads.append(plain_lerp(builder, *pair, spread(builder, arguments[share], lanes)))
+        read = builder.fadd(*reads)
+        if lanes < WIDE:
+            read = pick(builder, read, read, [0, 1, 2, 3] * 2)
+        base, at, before = texel(0, arguments[1])
+        weight = texel(2, arguments[3])[2]
+        store(builder, builder.fadd(before, builder.fmul(weight, read)), base, at)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
 def _add_interpreted(
     sums: Any, k: int, weight: float, texels: Any, a: Any, b: Any, c: Any, d: Any, across: Any, down: Any
 ) -> None:
@@ -60,8 +95,16 @@ def _twice_interpreted(
         sums[k + n] += own(weight) * (upper + (lower - upper) * own(down))
 
 
+def _pairs_interpreted(
+    sums: Any, k: int, weights: Any, m: int, texels: Any, a: int, b: int, c: int, d: int, s: Any, t: Any
+) -> None:
+    first, second = texels[a] + (texels[b] - texels[a]) * s, texels[c] + (texels[d] - texels[c]) * t
+    sums[k] += weights[m] * np.resize(first + second, WIDE)
+
+
 if JIT_DISABLED:
     add_blend, add_blend_twice = _add_interpreted, _twice_interpreted
+    add_pairs = add_pairs_of_four = _pairs_interpreted
 else:
 
     @inline
@@ -73,3 +116,13 @@ else:
     def add_blend_twice(sums, k, weights, texels, a, b, c, d, across, down):
         """The same to rows k and k + 1, with a weight of its own each."""
         _add_blend(sums, k, weights, texels, a, b, c, d, across, down)
+
+    @inline
+    def add_pairs(sums, k, weights, m, texels, a, b, c, d, s, t):
+        """Add to row k of sums (K, 8) texel a blended with b by s, and c with d by t, times row m of weights (M, 8)."""
+        _add_pairs(sums, k, weights, m, texels, None, a, b, c, d, s, t)
+
+    @inline
+    def add_pairs_of_four(sums, k, weights, m, texels, a, b, c, d, s, t):
+        """The same with texels of four channels, which are repeated."""
+        _add_pairs(sums, k, weights, m, texels, True, a, b, c, d, s, t)

@@ -1,8 +1,8 @@
 """Circular: complex kernels along rows and then along columns, whose products sum up to a disc; Garcia's two passes.
 
 1. Taps of each component, normalised so that a constant picture stays             `coefficients.kernels`
-2. Along rows: real and imaginary colours, taps as far apart as the circle says    `passes.across`
-3. Along columns: complex products, weighed and summed to a colour                 `passes.down`
+2. Along rows: real and imaginary colours, taps as far apart as the circle says    `passes.disc`
+3. Along columns: complex products, weighed and summed to a colour                 `passes.disc`
 4. With near and far fields: blur each apart and lay them over the picture         `_near_far`
 
 Stages: "coc", (H, W) px; "parts" (H, W, 6n), of every component real and imaginary colours of the first pass.
@@ -33,7 +33,7 @@ from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
 from refdof.methods.circular.coefficients import RADIUS, kernels
 from refdof.methods.circular.params import Params
-from refdof.methods.circular.passes import across, down
+from refdof.methods.circular.passes import disc
 from refdof.raster.filters.resize import resize
 from refdof.raster.filters.tiles import tiles_of
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
@@ -123,20 +123,21 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     recorder.record("coc", lambda: coc)
     if params.fields == "near_far":
         return _near_far(color, coc, params, recorder)
-    return _disc(color, np.abs(coc), np.ones_like(coc), params.components, params, recorder)
+    return _disc(color, np.abs(coc), None, params.components, params, recorder)
 
 
 def _disc(
-    color: Float, circles: Float, reach: Float, components: int, params: Params, recorder: StageRecorder
+    color: Float, circles: Float, reach: Float | None, components: int, params: Params, recorder: StageRecorder
 ) -> Float:
     """Both passes: circles (H, W) px; taps where reach (H, W) is 0 repeat the pixel."""
     kind = color.dtype
     cut = np.minimum(circles, kind.type(params.largest_px))
     spacing = cut * kind.type((1.0 + params.transition) / (params.fitted_radius * RADIUS))
     taps = kernels(components, params.transition, params.misprinted)
-    parts = across(color, spacing, taps.first.astype(kind), reach)
-    recorder.record("parts", lambda: parts)
-    return down(parts, spacing, taps.second.astype(kind), reach)
+    parts = np.empty((*circles.shape, components, 2, 3) if recorder.on else (0, 0, 0, 0, 0), dtype=kind)
+    image = disc(color, spacing, taps.first.astype(kind), taps.second.astype(kind), reach, parts)
+    recorder.record("parts", lambda: parts.reshape(*circles.shape, -1))
+    return image
 
 
 def _near_far(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
@@ -148,7 +149,7 @@ def _near_far(color: Float, coc: Float, params: Params, recorder: StageRecorder)
     spread = np.zeros((*tiles.shape, 4), dtype=color.dtype)
     spread[..., 0] = tiles
     before = np.ascontiguousarray(resize(spread, *coc.shape)[..., 0])
-    near = _disc(color, before, np.ones_like(coc), 1, params, StageRecorder())
+    near = _disc(color, before, None, 1, params, StageRecorder())
     out = color
     for field, circles in ((far, behind), (near, before)):
         share = np.minimum(circles, kind(1))[..., None]

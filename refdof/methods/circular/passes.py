@@ -1,110 +1,149 @@
 """Passes: along rows with complex taps, then along columns, where their products become colours.
 
 Each pixel's taps are as far apart as its own circle says. A tap outside repeats the edge.
+
+Strips of columns pass one after the other through both, so that what is between them stays in the nearer caches. There
+a texel has eight numbers of every component, which one vector holds: three real colours and a zero, three imaginary
+ones and a zero. Where a tap of a run of pixels lies is found for all of them at once, and then it is added to their
+sums.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.texel_sums import WIDE, add_pairs, add_pairs_of_four
 
-__all__ = ["across", "down"]
+__all__ = ["disc"]
+
+_STRIP = 64  # px
+
+
+class _Line(NamedTuple):
+    """Where the pixels of a run read from.
+
+    Pixel x is texel `start` + x `step` of a line of `size` texels, whose texel i is `base` + i `along` + x `aside`.
+    """
+
+    size: int
+    start: int
+    step: int
+    base: int
+    along: int
+    aside: int
 
 
 @kernel
-def across(color, spacing, taps, reach):
-    """Color (H, W, 3), spacing (H, W) px, taps (R + 1, n, 2) -> (H, W, 6 n): real and imaginary colours.
+def disc(color, spacing, first, second, reach, parts):
+    """Both passes: color (H, W, 3), spacing (H, W) px, taps (R + 1, n, 2) of each -> (H, W, 3).
 
-    reach (H, W): taps where it is 0 count as the pixel itself.
+    reach (H, W): a tap between two texels where it is 0 counts as the pixel itself. None: all are taken.
+    parts (H, W, n, 2, 3): set to real and imaginary colours after the first pass, unless it is empty.
     """
     height, width = spacing.shape
-    scalar, parts = color.dtype.type, 2 * taps.shape[1]
-    out = np.empty((height, width, 3 * parts), dtype=color.dtype)
-    flat = taps.reshape(len(taps), parts)
+    count, out = first.shape[1], np.empty_like(color)
+    across, down = _of_pairs(first), _of_pairs(second)
+    texels = np.zeros((height * width + 1, 4), dtype=color.dtype)  # one more to be loaded after the last
     for y in prange(height):
-        source, row, weights, near = borrow(color)[y], borrow(out)[y], borrow(flat), borrow(reach)[y]
+        row, source = borrow(texels)[y * width : (y + 1) * width], borrow(color)[y]
         for x in range(width):
-            for n in range(3 * parts):
-                row[x, n] = weights[0, n // 3] * source[x, n % 3]
-            for j in range(1, len(weights)):
-                away = scalar(np.int32(j)) * spacing[y, x]
-                red, green, blue = _pair(source, near, x, away)
-                for n in range(parts):
-                    row[x, 3 * n] += weights[j, n] * red
-                    row[x, 3 * n + 1] += weights[j, n] * green
-                    row[x, 3 * n + 2] += weights[j, n] * blue
+            row[x, 0], row[x, 1], row[x, 2] = source[x, 0], source[x, 1], source[x, 2]
+    for job in prange(-(-width // _STRIP)):
+        start, end = job * _STRIP, min((job + 1) * _STRIP, width)
+        pitch = _STRIP + 1  # or all rows would meet in a few places of a cache
+        between = np.zeros(((height + 1) * pitch, count, WIDE), dtype=color.dtype)
+        flat, colors, picture = between.reshape(-1, WIDE), borrow(texels), borrow(out)
+        firsts, shares = np.empty((2, _STRIP), dtype=np.int32), np.empty((2, _STRIP), dtype=color.dtype)
+        for y in range(height):
+            line = _Line(width, start, 1, y * width, 1, 0)
+            sums = flat[y * pitch * count :]
+            for j in range(len(across)):
+                _find(spacing[y, start:end], j, line, firsts, shares)
+                if reach is not None:
+                    _stay(reach.reshape(-1), end - start, line, firsts, shares)
+                _add_to_parts(colors, line, firsts, shares, across[j], sums[: (end - start) * count])
+            if len(parts) > 0:
+                _keep(between[y * pitch :], parts[y, start:end])
+        sums = np.empty((end - start, WIDE), dtype=color.dtype)
+        for y in range(height):
+            line, near = _Line(height, y, 0, 0, pitch, 1), _Line(height, y, 0, start, width, 1)
+            sums[:] = color.dtype.type(0)
+            for j in range(len(down)):
+                _find(spacing[y, start:end], j, line, firsts, shares)
+                if reach is not None:
+                    _stay(reach.reshape(-1), end - start, near, firsts, shares)
+                _add_parts(flat, line, firsts, shares, down[j], sums)
+            for x in range(len(sums)):
+                for c in range(3):
+                    picture[y, start + x, c] = sums[x, c] + sums[x, c + 4]
     return out
 
 
 @inline
-def _for_each_color(taps):
-    """Each number three times (R, 3 N), so that loops over parts' colours vectorise."""
-    out = np.empty((taps.shape[0], 3 * taps.shape[1]), dtype=taps.dtype)
+def _of_pairs(taps):
+    """Taps (R + 1, n, 2), number for number: (R + 1, n, 8). Half of the central one, which both sides add."""
+    out = np.empty((*taps.shape[:2], WIDE), dtype=taps.dtype)
     for j in range(out.shape[0]):
         for n in range(out.shape[1]):
-            out[j, n] = taps[j, n // 3]
+            for c in range(WIDE):
+                out[j, n, c] = taps[j, n, c // 4] * taps.dtype.type(1 if j else 0.5)
     return out
 
 
 @inline
-def _pair(source, reach, x, away):
-    """The sum of the reads `away` px to both sides of pixel x: three channels."""
-    scalar = source.dtype.type
-    left = _read(source, reach, x, scalar(np.int32(x)) - away)
-    right = _read(source, reach, x, scalar(np.int32(x)) + away)
-    return left[0] + right[0], left[1] + right[1], left[2] + right[2]
+def _find(spacing, j, line, firsts, shares):
+    """The first of the two texels around the taps `j` spacings to both sides, and the second's weight."""
+    scalar = spacing.dtype.type
+    last = scalar(np.int32(line.size - 1))
+    for side in range(2):
+        first, share, away = firsts[side], shares[side], scalar(j if side else -j)
+        for x in range(len(spacing)):
+            place = min(max(scalar(np.int32(line.start + line.step * x)) + away * spacing[x], scalar(0)), last)
+            first[x] = np.int32(place)
+            share[x] = place - scalar(first[x])
 
 
 @inline
-def _read(source, reach, x, place):
-    i, k, share = _between(place, len(source))
-    if not (reach[i] > type(share)(0) or reach[k] > type(share)(0)):
-        i, k = np.int64(x), np.int64(x)
-    first, second = source[i], source[k]
-    return (
-        first[0] + (second[0] - first[0]) * share,
-        first[1] + (second[1] - first[1]) * share,
-        first[2] + (second[2] - first[2]) * share,
-    )
+def _stay(reach, count, line, firsts, shares):
+    """Let taps between two texels of no reach read the pixel itself."""
+    scalar = shares.dtype.type
+    for side in range(2):
+        for x in range(count):
+            a = np.int64(firsts[side, x])
+            start = line.base + x * line.aside
+            b = min(a + 1, line.size - 1)
+            if not (reach[start + a * line.along] > scalar(0) or reach[start + b * line.along] > scalar(0)):
+                firsts[side, x], shares[side, x] = np.int32(line.start + line.step * x), scalar(0)
 
 
 @inline
-def _between(place, size):
-    """The two texels around a place [texels from the first one's centre], and the second's weight."""
-    kind = type(place)
-    cut = min(max(place, kind(0)), kind(np.int32(size - 1)))
-    first = int(cut)
-    return first, min(first + 1, size - 1), cut - kind(np.int32(first))
+def _add_to_parts(texels, line, firsts, shares, weights, sums):
+    """Add a tap to both sides to the sums of each component (X n, 8). After a line's last texel the share is 0."""
+    count = len(weights)
+    for x in range(len(sums) // count):
+        a, c = line.base + np.int64(firsts[0, x]), line.base + np.int64(firsts[1, x])
+        for n in range(count):
+            add_pairs_of_four(sums, x * count + n, weights, n, texels, a, a + 1, c, c + 1, shares[0, x], shares[1, x])
 
 
 @inline
-def _add_blended(first, second, share, weights, total):
-    for n in range(len(total)):
-        total[n] += weights[n] * (first[n] + (second[n] - first[n]) * share)
+def _add_parts(parts, line, firsts, shares, weights, sums):
+    """Add a tap of all components to both sides to the sums (X, 8)."""
+    count = len(weights)
+    below = line.along * count
+    for x in range(len(sums)):
+        a = (np.int64(firsts[0, x]) * line.along + x) * count
+        c = (np.int64(firsts[1, x]) * line.along + x) * count
+        for n in range(count):
+            add_pairs(
+                sums, x, weights, n, parts, a + n, a + n + below, c + n, c + n + below, shares[0, x], shares[1, x]
+            )
 
 
-@kernel
-def down(parts, spacing, taps, reach):
-    """What `across` makes (H, W, 6 n) -> (H, W, 3), with taps (R + 1, n, 2) of the second pass."""
-    height, width, count = parts.shape
-    scalar = parts.dtype.type
-    flat = _for_each_color(taps.reshape(len(taps), count // 3))
-    out = np.empty((height, width, 3), dtype=parts.dtype)
-    for y in prange(height):
-        sums = np.empty(count, dtype=parts.dtype)
-        source, weights, row, total = borrow(parts), borrow(flat), borrow(out)[y], borrow(sums)
-        for x in range(width):
-            for n in range(count):
-                total[n] = weights[0, n] * source[y, x, n]
-            for j in range(1, len(weights)):
-                away = scalar(np.int32(j)) * spacing[y, x]
-                for side in range(2):
-                    first, second, share = _between(scalar(y) + (away if side else -away), height)
-                    if not (reach[first, x] > scalar(0) or reach[second, x] > scalar(0)):
-                        first, second = np.int64(y), np.int64(y)
-                    _add_blended(source[first, x], source[second, x], share, weights[j], total)
+@inline
+def _keep(texels, parts):
+    for x in range(len(parts)):
+        for n in range(parts.shape[1]):
             for c in range(3):
-                sum_of_parts = scalar(0)
-                for n in range(c, count, 3):
-                    sum_of_parts += total[n]
-                row[x, c] = sum_of_parts
-    return out
+                parts[x, n, 0, c], parts[x, n, 1, c] = texels[x, n, c], texels[x, n, c + 4]
