@@ -1,173 +1,189 @@
-"""Gather: prefilter and rings of the ring gather, at half the size, and its last pass. Circles are in half pixels."""
+"""Gather: the sums over rings of taps at half the size, near over far. Circles are in pixels of that size.
+
+Runs of tiles whose greatest circle is the same spread their taps alike, so that a tap reads a shifted part of rows.
+"""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.image.bilinear import add_read, add_read_twice, read_to
+from refdof.methods.ringgather.prefilter import BEFORE, BEHIND, CIRCLE, LEAST_AREA
 
-__all__ = ["Sorted", "prefilter", "rings", "upsampled"]
+__all__ = ["rings"]
 
-_LEAST_AREA = math.pi * 0.7071**2  # of a circle that a tap shares its light over
 _LEAST_WEIGHT = 1e-5
+_RUN = 128  # px: at most, whose sums stay in the nearest cache
+_SHARP, _LIKE, _SORTED = 0, 1, 2  # kinds of tiles: hardly any blur, circles that hardly differ, all else
+# Where a run's sums begin: colours and weights of what is behind and before; then the weights of one tap.
+_FAR, _NEAR, _TAP, _END = 0, 4 * _RUN, 8 * _RUN, 10 * _RUN
 
 
-class Sorted(NamedTuple):
-    """(h, w) each: circle, light per area, of which a share is behind.
+@kernel
+def rings(planes, margin, greatest, least, side, taps, gain):
+    """Sums over rings: `prefilter`'s planes, greatest and least circle of tiles and those around -> (h, w, 4).
 
-    light * behind and light * (1 - behind) are the taps' weights in the two sums.
+    side: of a tile; taps (48, 2); gain: opacity of the near taps. Alpha is last.
     """
-
-    circle: Float
-    light: Float
-    behind: Float
-
-    @classmethod
-    def of(cls, circle: Float, depth: Float, nearest: Float, foreground: float) -> "Sorted":
-        """From circle, depth, and the nearest depth around, (h, w) each."""
-        kind = circle.dtype.type
-        with np.errstate(divide="ignore", over="ignore"):
-            light = np.minimum(kind(1) / (kind(math.pi) * circle * circle), kind(1.0 / _LEAST_AREA))
-        t = np.clip((depth - nearest).astype(np.float64) / foreground, 0.0, 1.0).astype(circle.dtype)
-        return cls(circle, light, t * t * (kind(3) - kind(2) * t))
-
-
-@kernel
-def prefilter(picture, depth, circle, half_depth, taps):
-    """Means of a pixel and the first ring at half its circle: picture (H, W, 4), depth (H, W) -> (h, w, 4), 1 last."""
-    size, (height, width) = depth.shape, circle.shape
-    scalar, texels = picture.dtype.type, picture.reshape(size[0] * size[1], 4)
-    right, down, half, one = scalar(size[1] / width), scalar(size[0] / height), scalar(0.5), scalar(1)
-    out = np.empty((height, width, 4), dtype=picture.dtype)
-    for y in prange(height):
-        pair = np.empty((2, 4), dtype=picture.dtype)
-        row, source, reads, far, table = borrow(out)[y], borrow(texels), borrow(pair), borrow(depth), borrow(taps)
-        for x in range(width):
-            u, v = scalar(np.int32(x)) + half, scalar(y) + half
-            read_to(source, size, u * right, v * down, reads, 0)
-            for c in range(4):
-                row[x, c] = reads[0, c]
-            for k in range(8):
-                i = (u + half * circle[y, x] * table[k, 0]) * right
-                j = (v + half * circle[y, x] * table[k, 1]) * down
-                read_to(source, size, i, j, reads, 1)
-                apart = scalar(2) * abs(far[_texel(j, size[0]), _texel(i, size[1])] - half_depth[y, x])
-                other = min(apart, one)
-                for c in range(4):
-                    row[x, c] += reads[1, c] * (one - other) + reads[0, c] * other
-            for c in range(3):
-                row[x, c] /= scalar(9)
-            row[x, 3] = one
-    return out
-
-
-@inline
-def _texel(place, size):
-    """The texel at a place [texels from the corner], cut at the border."""
-    return min(max(int(np.floor(place)), 0), size - 1)
-
-
-@kernel
-def rings(filtered, circle, light, behind, greatest, least, taps, gain):
-    """Sums over rings: filtered (h, w, 4), others (h, w), greatest and least circle around -> (h, w, 4), alpha last."""
-    size = circle.shape
-    scalar, texels = filtered.dtype.type, filtered.reshape(size[0] * size[1], 4)
-    out = np.empty_like(filtered)
-    for y in prange(size[0]):
-        sums = np.empty((2, 4), dtype=filtered.dtype)
-        row, source, totals, table = borrow(out)[y], borrow(texels), borrow(sums), borrow(taps)
-        planes = borrow(circle), borrow(light), borrow(behind)
-        for x in range(size[1]):
-            most = greatest[y, x]
-            if most < scalar(1):
-                for c in range(4):
-                    row[x, c] = filtered[y, x, c]
-            else:
-                used = min(max(int(np.ceil(scalar(3) * np.sqrt(most))), 1), 3)
-                reach = scalar(used) / scalar(3) * most
-                if most - least[y, x] < scalar(1):
-                    _plain(source, size, (x, y), table, (used, reach), row)
+    height, width = planes.shape[1], planes.shape[2] - 2 * margin
+    out = np.empty((height, width, 4), dtype=planes.dtype)
+    for band in prange(len(greatest)):
+        most, lowest, source, picture = borrow(greatest)[band], borrow(least)[band], borrow(planes), borrow(out)
+        sums, table = np.empty(_END, dtype=planes.dtype), borrow(taps)
+        first = 0
+        while first < len(most):
+            end = _end_of_run(most, lowest, first, _RUN // side)
+            kind, start = _kind_of(most[first], lowest[first]), first * side
+            for y in range(band * side, min((band + 1) * side, height)):
+                row = picture[y, start : min(end * side, width)]
+                if kind == _SHARP:
+                    _copy(source[:, y, margin + start :], row)
+                    continue
+                sums[:] = planes.dtype.type(0)
+                _add_rings(source, (margin + start, y), len(row), table, most[first], kind, sums)
+                if kind == _LIKE:
+                    _divide(sums, _count_of(_rings_of(most[first])), row)
                 else:
-                    _sorted_sums(source, size, (x, y), planes, table, (used, reach, most), totals)
-                    _lay(totals, (used, most), gain, row, x)
+                    _lay(sums, _rings_of(most[first]), most[first], gain, row)
+            first = end
     return out
 
 
 @inline
-def _plain(source, size, pixel, table, rings, row):
-    """The mean of the taps, alpha 0."""
-    scalar, (x, y) = source.dtype.type, pixel
-    count, half = 4 * rings[0] * (rings[0] + 1), scalar(0.5)
-    for c in range(4):
-        row[x, c] = source[y * size[1] + x, c]
-    for k in range(count):
-        u = scalar(np.int32(x)) + half + rings[1] * table[k, 0]
-        v = scalar(np.int32(y)) + half + rings[1] * table[k, 1]
-        add_read(source, size, u, v, scalar(1), row, x)
-    for c in range(3):
-        row[x, c] /= scalar(count + 1)
-    row[x, 3] = scalar(0)
+def _kind_of(most, least):
+    if most < type(most)(1):
+        return _SHARP
+    return _LIKE if most - least < type(most)(1) else _SORTED
 
 
 @inline
-def _sorted_sums(source, size, pixel, planes, table, rings, totals):
-    """Taps that reach the pixel, behind in totals[0] and before in totals[1], weights last."""
-    scalar, (x, y), (circle, light, behind) = source.dtype.type, pixel, planes
-    half, one, k = scalar(0.5), scalar(1), 0
-    for c in range(4):
-        far = light[y, x] * behind[y, x]
-        totals[0, c] = far * source[y * size[1] + x, c]
-        totals[1, c] = (light[y, x] - far) * source[y * size[1] + x, c]
-    for ring in range(1, rings[0] + 1):
-        for _ in range(8 * ring):
-            u = scalar(np.int32(x)) + half + rings[1] * table[k, 0]
-            v = scalar(np.int32(y)) + half + rings[1] * table[k, 1]
-            i, j = _texel(u, size[1]), _texel(v, size[0])
-            covers = circle[j, i] * (scalar(rings[0]) / rings[2]) - scalar(np.int32(ring)) + one
-            covers = min(max(covers, scalar(0)), one)
-            if ring == 1:
-                covers *= covers
-            weight = light[j, i] * covers
-            if weight > scalar(0):
-                far = weight * behind[j, i]
-                add_read_twice(source, size, u, v, (far, weight - far), totals, 0)
-            k += 1
+def _end_of_run(most, least, first, longest):
+    """The tile after those, from `first` on, that are of one kind and have one greatest circle."""
+    tile, kind = first + 1, _kind_of(most[first], least[first])
+    while tile < min(first + longest, len(most)) and kind == _kind_of(most[tile], least[tile]):
+        if most[tile] != most[first]:
+            break
+        tile += 1
+    return tile
 
 
 @inline
-def _lay(totals, rings, gain, row, x):
+def _rings_of(most):
+    """How many rings are used."""
+    return min(max(int(np.ceil(type(most)(3) * np.sqrt(most))), 1), 3)
+
+
+@inline
+def _count_of(used):
+    """Taps of so many rings, with the centre."""
+    return (2 * used + 1) * (2 * used + 1)
+
+
+@inline
+def _add_rings(planes, corner, count, taps, most, kind, sums):
+    """Add the centre and all taps of `count` pixels from `corner` (x, y) of the planes on."""
+    scalar, (left, y) = planes.dtype.type, corner
+    used, last, k = _rings_of(most), planes.shape[1] - 1, 0
+    reach, half = scalar(used) / scalar(3) * most, scalar(0.5)
+    for ring in range(used + 1):
+        for _ in range(max(8 * ring, 1)):
+            dx, dy = (reach * taps[k, 0], reach * taps[k, 1]) if ring > 0 else (scalar(0), scalar(0))
+            if ring > 0:
+                k += 1
+            if kind == _SORTED:
+                row, start = min(max(y + _floor(dy + half), 0), last), left + _floor(dx + half)
+                tap = slice(start, start + count)
+                planes_of_tap = planes[CIRCLE, row, tap], planes[BEHIND, row, tap], planes[BEFORE, row, tap]
+                _weigh(planes_of_tap, scalar(used) / most, ring, sums)
+            first, start = y + _floor(dy), left + _floor(dx)
+            upper, lower = min(max(first, 0), last), min(max(first + 1, 0), last)
+            tap, shares = slice(start, start + count + 1), (dx - np.floor(dx), dy - np.floor(dy))
+            red, green, blue = (
+                (planes[0, upper, tap], planes[0, lower, tap]),
+                (planes[1, upper, tap], planes[1, lower, tap]),
+                (planes[2, upper, tap], planes[2, lower, tap]),
+            )
+            if kind == _SORTED:
+                _add_weighed(red, green, blue, shares, count, sums)
+            else:
+                _add(red, green, blue, shares, count, sums)
+
+
+@inline
+def _floor(x):
+    return np.int64(np.floor(x))
+
+
+@inline
+def _weigh(tap, scale, ring, sums):
+    """Weights of a tap in `ring` that pixels in a row read; the centre's ring is 0. Scale: rings per pixel."""
+    zero, one, (circle, behind, before) = sums.dtype.type(0), sums.dtype.type(1), tap
+    inner, least = sums.dtype.type(ring) - one, zero if ring == 1 else one
+    for x in range(len(circle)):
+        covers = min(max(circle[x] * scale - inner, zero), one)
+        covers *= max(covers, least)  # the first ring's are squared
+        sums[_TAP + x], sums[_TAP + _RUN + x] = covers * behind[x], covers * before[x]
+        sums[_FAR + 3 * _RUN + x] += covers * behind[x]
+        sums[_NEAR + 3 * _RUN + x] += covers * before[x]
+
+
+@inline
+def _add_weighed(red, green, blue, shares, count, sums):
+    """Add colours read between two rows to both sums by the tap's weights."""
+    for x in range(count):
+        far, near = sums[_TAP + x], sums[_TAP + _RUN + x]
+        r, g, b = _read(red, x, shares), _read(green, x, shares), _read(blue, x, shares)
+        sums[_FAR + x] += far * r
+        sums[_FAR + _RUN + x] += far * g
+        sums[_FAR + 2 * _RUN + x] += far * b
+        sums[_NEAR + x] += near * r
+        sums[_NEAR + _RUN + x] += near * g
+        sums[_NEAR + 2 * _RUN + x] += near * b
+
+
+@inline
+def _add(red, green, blue, shares, count, sums):
+    """Add colours read between two rows to the first sums."""
+    for x in range(count):
+        sums[_FAR + x] += _read(red, x, shares)
+        sums[_FAR + _RUN + x] += _read(green, x, shares)
+        sums[_FAR + 2 * _RUN + x] += _read(blue, x, shares)
+
+
+@inline
+def _read(rows, x, shares):
+    """Between texels x and x + 1 of two rows."""
+    (upper, lower), (across, down) = rows, shares
+    left, right = upper[x] + (lower[x] - upper[x]) * down, upper[x + 1] + (lower[x + 1] - upper[x + 1]) * down
+    return left + (right - left) * across
+
+
+@inline
+def _copy(planes, row):
+    for x in range(len(row)):
+        row[x, 0], row[x, 1], row[x, 2], row[x, 3] = planes[0, x], planes[1, x], planes[2, x], row.dtype.type(1)
+
+
+@inline
+def _divide(sums, count, row):
+    """The mean of all taps, alpha 0."""
+    whole = row.dtype.type(count)
+    for x in range(len(row)):
+        row[x, 0], row[x, 1] = sums[_FAR + x] / whole, sums[_FAR + _RUN + x] / whole
+        row[x, 2], row[x, 3] = sums[_FAR + 2 * _RUN + x] / whole, row.dtype.type(0)
+
+
+@inline
+def _lay(sums, used, most, gain, row):
     """The near sum over the far one, by its weight beside that of full cover."""
-    scalar = totals.dtype.type
-    used, most = rings
-    count = scalar((2 * used + 1) * (2 * used + 1))
-    area = max(scalar(math.pi) * most * most, scalar(_LEAST_AREA))
-    alpha = min(max(scalar(gain) / count * totals[1, 3] * area, scalar(0)), scalar(1))
-    behind, before = max(scalar(_LEAST_WEIGHT), totals[0, 3]), max(scalar(_LEAST_WEIGHT), totals[1, 3])
-    for c in range(3):
-        row[x, c] = totals[0, c] / behind * (scalar(1) - alpha) + totals[1, c] / before * alpha
-    row[x, 3] = alpha
-
-
-@kernel
-def upsampled(color, soft, circle, depth, greatest, nearest):
-    """The soft picture (h, w, 4) over color (H, W, 3) by circle; (H, W) each: circle, depth, and those around."""
-    height, width = circle.shape
-    scalar, size = color.dtype.type, soft.shape[:2]
-    right, down, half, one = scalar(size[1] / width), scalar(size[0] / height), scalar(0.5), scalar(1)
-    texels = soft.reshape(size[0] * size[1], 4)
-    out = np.empty_like(color)
-    for y in prange(height):
-        read = np.empty((1, 4), dtype=color.dtype)
-        row, source, blurred, over = borrow(out)[y], borrow(color)[y], borrow(texels), borrow(read)
-        for x in range(width):
-            read_to(blurred, size, (scalar(np.int32(x)) + half) * right, (scalar(y) + half) * down, over, 0)
-            near = min(max(one - (depth[y, x] - nearest[y, x]), scalar(0)), one)
-            own = circle[y, x]
-            reach = greatest[y, x] * (one - near) + own * near
-            share = min(max(own * (one - over[0, 3]) + reach * over[0, 3], scalar(0)), one)
-            for c in range(3):
-                row[x, c] = source[x, c] * (one - share) + over[0, c] * share
-    return out
+    scalar = row.dtype.type
+    least, one, strength = scalar(_LEAST_WEIGHT), scalar(1), scalar(gain) / scalar(_count_of(used))
+    area = max(scalar(math.pi) * most * most, scalar(LEAST_AREA))
+    for x in range(len(row)):
+        behind, before = sums[_FAR + 3 * _RUN + x], sums[_NEAR + 3 * _RUN + x]
+        alpha = min(max(strength * before * area, scalar(0)), one)
+        behind, before = max(least, behind), max(least, before)
+        for c in range(3):
+            far, near = sums[_FAR + c * _RUN + x] / behind, sums[_NEAR + c * _RUN + x] / before
+            row[x, c] = far * (one - alpha) + near * alpha
+        row[x, 3] = alpha

@@ -1,10 +1,11 @@
 """Ring gather: rings of taps at half the size, sorted by depth into near and far; as in Wicked Engine.
 
-1. Circles without sign, in pixels of half the size; least and greatest of tiles and of those around   `_around`
-2. Prefilter, and sort by depth: how much of a pixel's light is near            `gather.prefilter`, `gather.Sorted`
-3. Sum taps that reach the pixel, near and far, and lay near over far                                  `gather.rings`
-4. Median of nine                                                              `refdof.raster.filters.median`
-5. Over the sharp picture, by circle                                                                `gather.upsampled`
+1. Circles without sign, in pixels of half the size; least and greatest of tiles and of those around
+                                                                            `prefilter.circles`, `_around`
+2. Prefilter, and sort by depth: how much of a pixel's light is near        `prefilter.prefilter`
+3. Sum taps that reach the pixel, near and far, and lay near over far       `gather.rings`
+4. Median of nine                                                           `refdof.raster.filters.median`
+5. Over the sharp picture, by circle                                        `upsample.upsampled`
 
 Stages: "coc" px, "circle" px of half the size, (H, W) each; "nearest", "greatest", "least", (h, w) tiles with those
 around; of half the size "filtered", "rings", "median", (h, w, 4), alpha last.
@@ -33,8 +34,10 @@ from refdof._check import Float, as_instance
 from refdof.image.channels import joined
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
-from refdof.methods.ringgather.gather import Sorted, prefilter, rings, upsampled
+from refdof.methods.ringgather.gather import rings
 from refdof.methods.ringgather.params import Params, points
+from refdof.methods.ringgather.prefilter import circles, prefilter
+from refdof.methods.ringgather.upsample import upsampled
 from refdof.raster.filters.median import median
 from refdof.raster.filters.tiles import tiles_of
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
@@ -138,41 +141,36 @@ class _Around(NamedTuple):
     greatest: Float
     least: Float
 
-    def at(self, side: int, shape: tuple[int, ...]) -> "_Around":
-        """Of every pixel, of which a tile has `side` x `side`: (H, W) each."""
-        rows, columns = (np.arange(n) // side for n in shape)
-        return _Around(*(tile[np.ix_(rows, columns)] for tile in self))
-
 
 def _around(depth: Float, circle: Float) -> _Around:
-    circles = tiles_of(circle, _TILE).dilated()
-    return _Around(tiles_of(depth, _TILE).dilated().least, circles.greatest, circles.least)
+    found = tiles_of(circle, _TILE).dilated()
+    return _Around(tiles_of(depth, _TILE).dilated().least, found.greatest, found.least)
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     kind = color.dtype.type
-    circle = np.minimum(np.abs(coc), kind(params.largest_px)) * kind(0.5)
+    circle = circles(coc, params.largest_px)
     around = _around(depth, circle)
-    half = tuple((side + 1) // 2 for side in coc.shape)
-    places = np.ix_(*((2 * np.arange(n) + 1) * side // (2 * n) for n, side in zip(half, coc.shape, strict=True)))
-    half_circle, half_depth = circle[places], depth[places]
-    tiles = around.at(_TILE // 2, half)
-    ready = Sorted.of(half_circle, half_depth, tiles.nearest, params.foreground)
-    taps = points(params.fill).astype(kind)
+    taps, side = points(params.fill).astype(kind), _TILE // 2
+    margin = int(np.ceil(around.greatest.max() * np.abs(taps).max())) + 2
     working = color if params.working == "linear" else color / (kind(1) + color.max(axis=2, keepdims=True))
-    filtered = prefilter(joined(working, np.ones_like(coc)), depth, half_circle, half_depth, taps)
-    summed = rings(filtered, *ready, tiles.greatest, tiles.least, taps, params.gain)
+    planes = prefilter(joined(working, depth), circle, around.nearest, taps, (side, margin, params.foreground))
+    summed = rings(planes, margin, around.greatest, around.least, side, taps, params.gain)
     smooth = median(summed)
     recorder.record("coc", lambda: coc)
     recorder.record("circle", lambda: circle)
     recorder.record("nearest", lambda: around.nearest)
     recorder.record("greatest", lambda: around.greatest)
     recorder.record("least", lambda: around.least)
-    recorder.record("filtered", lambda: filtered)
+    recorder.record("filtered", lambda: _picture_of(planes[:3, :, margin:-margin]))
     recorder.record("rings", lambda: summed)
     recorder.record("median", smooth.copy)
     if params.working == "tonemapped":
         smooth[..., :3] /= np.maximum(kind(1) - smooth[..., :3].max(axis=2, keepdims=True), kind(1e-6))
-    full = around.at(_TILE, coc.shape)
-    return upsampled(color, smooth, circle, depth, full.greatest, full.nearest)
+    return upsampled(color, smooth, circle, depth, around.greatest, around.nearest, _TILE)
+
+
+def _picture_of(planes: Float) -> Float:
+    """Planes (3, h, w) as a picture (h, w, 4), 1 last."""
+    return np.concatenate([np.moveaxis(planes, 0, -1), np.ones((*planes.shape[1:], 1), dtype=planes.dtype)], axis=2)
