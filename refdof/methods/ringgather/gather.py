@@ -25,7 +25,7 @@ def rings(planes, margin, greatest, least, side, taps, gain):
 
     side: of a tile; taps (48, 2); gain: opacity of the near taps. Alpha is last.
     """
-    height, width = planes.shape[1], planes.shape[2] - 2 * margin
+    height, width = len(planes), planes.shape[2] - 2 * margin
     out = np.empty((height, width, 4), dtype=planes.dtype)
     for band in prange(len(greatest)):
         most, lowest, source, picture = borrow(greatest)[band], borrow(least)[band], borrow(planes), borrow(out)
@@ -37,7 +37,7 @@ def rings(planes, margin, greatest, least, side, taps, gain):
             for y in range(band * side, min((band + 1) * side, height)):
                 row = picture[y, start : min(end * side, width)]
                 if kind == _SHARP:
-                    _copy(source[:, y, margin + start :], row)
+                    _copy(source[y, :, margin + start :], row)
                     continue
                 sums[:] = planes.dtype.type(0)
                 _add_rings(source, (margin + start, y), len(row), table, most[first], kind, sums)
@@ -83,7 +83,8 @@ def _count_of(used):
 def _add_rings(planes, corner, count, taps, most, kind, sums):
     """Add the centre and all taps of `count` pixels from `corner` (x, y) of the planes on."""
     scalar, (left, y) = planes.dtype.type, corner
-    used, last, k = _rings_of(most), planes.shape[1] - 1, 0
+    used, last, k = _rings_of(most), len(planes) - 1, 0
+    rows = planes.reshape(len(planes), -1)
     reach, half = scalar(used) / scalar(3) * most, scalar(0.5)
     for ring in range(used + 1):
         for _ in range(max(8 * ring, 1)):
@@ -92,21 +93,14 @@ def _add_rings(planes, corner, count, taps, most, kind, sums):
                 k += 1
             if kind == _SORTED:
                 row, start = min(max(y + _floor(dy + half), 0), last), left + _floor(dx + half)
-                tap = slice(start, start + count)
-                planes_of_tap = planes[CIRCLE, row, tap], planes[BEHIND, row, tap], planes[BEFORE, row, tap]
-                _weigh(planes_of_tap, scalar(used) / most, ring, sums)
+                _weigh(rows[row], planes.shape[2], start, count, scalar(used) / most, ring, sums)
             first, start = y + _floor(dy), left + _floor(dx)
-            upper, lower = min(max(first, 0), last), min(max(first + 1, 0), last)
-            tap, shares = slice(start, start + count + 1), (dx - np.floor(dx), dy - np.floor(dy))
-            red, green, blue = (
-                (planes[0, upper, tap], planes[0, lower, tap]),
-                (planes[1, upper, tap], planes[1, lower, tap]),
-                (planes[2, upper, tap], planes[2, lower, tap]),
-            )
+            pair = rows[min(max(first, 0), last)], rows[min(max(first + 1, 0), last)]
+            shares = dx - np.floor(dx), dy - np.floor(dy)
             if kind == _SORTED:
-                _add_weighed(red, green, blue, shares, count, sums)
+                _add_weighed(pair, planes.shape[2], start, count, shares, sums)
             else:
-                _add(red, green, blue, shares, count, sums)
+                _add(pair, planes.shape[2], start, count, shares, sums)
 
 
 @inline
@@ -115,24 +109,28 @@ def _floor(x):
 
 
 @inline
-def _weigh(tap, scale, ring, sums):
+def _weigh(row, pitch, start, count, scale, ring, sums):
     """Weights of a tap in `ring` that pixels in a row read; the centre's ring is 0. Scale: rings per pixel."""
-    zero, one, (circle, behind, before) = sums.dtype.type(0), sums.dtype.type(1), tap
+    zero, one = sums.dtype.type(0), sums.dtype.type(1)
     inner, least = sums.dtype.type(ring) - one, zero if ring == 1 else one
-    for x in range(len(circle)):
-        covers = min(max(circle[x] * scale - inner, zero), one)
+    circle, behind = np.uintp(CIRCLE * pitch + start), np.uintp(BEHIND * pitch + start)
+    before = np.uintp(BEFORE * pitch + start)
+    for x in range(count):
+        covers = min(max(row[circle + np.uintp(x)] * scale - inner, zero), one)
         covers *= max(covers, least)  # the first ring's are squared
-        sums[_TAP + x], sums[_TAP + _RUN + x] = covers * behind[x], covers * before[x]
-        sums[_FAR + 3 * _RUN + x] += covers * behind[x]
-        sums[_NEAR + 3 * _RUN + x] += covers * before[x]
+        far, near = covers * row[behind + np.uintp(x)], covers * row[before + np.uintp(x)]
+        sums[_TAP + x], sums[_TAP + _RUN + x] = far, near
+        sums[_FAR + 3 * _RUN + x] += far
+        sums[_NEAR + 3 * _RUN + x] += near
 
 
 @inline
-def _add_weighed(red, green, blue, shares, count, sums):
+def _add_weighed(rows, pitch, start, count, shares, sums):
     """Add colours read between two rows to both sums by the tap's weights."""
+    red, green, blue = np.uintp(start), np.uintp(pitch + start), np.uintp(2 * pitch + start)
     for x in range(count):
         far, near = sums[_TAP + x], sums[_TAP + _RUN + x]
-        r, g, b = _read(red, x, shares), _read(green, x, shares), _read(blue, x, shares)
+        r, g, b = _read(rows, red, x, shares), _read(rows, green, x, shares), _read(rows, blue, x, shares)
         sums[_FAR + x] += far * r
         sums[_FAR + _RUN + x] += far * g
         sums[_FAR + 2 * _RUN + x] += far * b
@@ -142,19 +140,21 @@ def _add_weighed(red, green, blue, shares, count, sums):
 
 
 @inline
-def _add(red, green, blue, shares, count, sums):
+def _add(rows, pitch, start, count, shares, sums):
     """Add colours read between two rows to the first sums."""
+    red, green, blue = np.uintp(start), np.uintp(pitch + start), np.uintp(2 * pitch + start)
     for x in range(count):
-        sums[_FAR + x] += _read(red, x, shares)
-        sums[_FAR + _RUN + x] += _read(green, x, shares)
-        sums[_FAR + 2 * _RUN + x] += _read(blue, x, shares)
+        sums[_FAR + x] += _read(rows, red, x, shares)
+        sums[_FAR + _RUN + x] += _read(rows, green, x, shares)
+        sums[_FAR + 2 * _RUN + x] += _read(rows, blue, x, shares)
 
 
 @inline
-def _read(rows, x, shares):
-    """Between texels x and x + 1 of two rows."""
-    (upper, lower), (across, down) = rows, shares
-    left, right = upper[x] + (lower[x] - upper[x]) * down, upper[x + 1] + (lower[x + 1] - upper[x + 1]) * down
+def _read(rows, start, x, shares):
+    """Between texels x and x + 1 from `start` on of two rows. Unsigned places spare the test for negative ones."""
+    (upper, lower), (across, down), k = rows, shares, start + np.uintp(x)
+    m = k + np.uintp(1)
+    left, right = upper[k] + (lower[k] - upper[k]) * down, upper[m] + (lower[m] - upper[m]) * down
     return left + (right - left) * across
 
 

@@ -128,9 +128,10 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder, given = StageRecorder(as_stages(stages)), depth
-    color, _, coc = as_images(color, depth, coc)
-    cut = np.minimum(np.asarray(given, dtype=np.float64), _FARTHEST).astype(color.dtype)
-    image = _blur(color, cut, coc, params, recorder)
+    color, depth, coc = as_images(color, depth, coc)
+    if getattr(given, "dtype", None) != color.dtype:
+        depth = np.asarray(given, dtype=np.float64)
+    image = _blur(color, np.minimum(depth, _FARTHEST).astype(color.dtype, copy=False), coc, params, recorder)
     return Staged(image, recorder.stages) if recorder.on else image
 
 
@@ -155,7 +156,7 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
     taps, side = points(params.fill).astype(kind), _TILE // 2
     margin = int(np.ceil(around.greatest.max() * np.abs(taps).max())) + 2
     working = color if params.working == "linear" else color / (kind(1) + color.max(axis=2, keepdims=True))
-    planes = prefilter(joined(working, depth), circle, around.nearest, taps, (side, margin, params.foreground))
+    planes = prefilter(joined(working, depth), circle, around.nearest, taps, side, margin, params.foreground)
     summed = rings(planes, margin, around.greatest, around.least, side, taps, params.gain)
     smooth = median(summed)
     recorder.record("coc", lambda: coc)
@@ -163,7 +164,7 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
     recorder.record("nearest", lambda: around.nearest)
     recorder.record("greatest", lambda: around.greatest)
     recorder.record("least", lambda: around.least)
-    recorder.record("filtered", lambda: _picture_of(planes[:3, :, margin:-margin]))
+    recorder.record("filtered", lambda: _picture_of(planes[:, :3, margin:-margin]))
     recorder.record("rings", lambda: summed)
     recorder.record("median", smooth.copy)
     if params.working == "tonemapped":
@@ -172,5 +173,7 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
 
 
 def _picture_of(planes: Float) -> Float:
-    """Planes (3, h, w) as a picture (h, w, 4), 1 last."""
-    return np.concatenate([np.moveaxis(planes, 0, -1), np.ones((*planes.shape[1:], 1), dtype=planes.dtype)], axis=2)
+    """Rows of planes (h, 3, w) as a picture (h, w, 4), 1 last."""
+    picture = np.ones((planes.shape[0], planes.shape[2], 4), dtype=planes.dtype)
+    picture[..., :3] = np.moveaxis(planes, 1, -1)
+    return picture

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_sums import add_blend
 from refdof.image.bilinear import first_of_two, four_around
@@ -32,20 +33,27 @@ def circles(coc, largest_px):
     return out
 
 
-@kernel
-def prefilter(picture, circle, nearest, taps, settings):
-    """Planes (6, h, margin + w + margin) of half the size: colour, circle, weights of a tap behind and before.
+def prefilter(
+    picture: Float, circle: Float, nearest: Float, taps: Float, side: int, margin: int, foreground: float
+) -> Float:
+    """Rows of planes (h, 6, margin + w + margin), half the size: colour, circle, weights of a tap behind and before.
 
-    picture (H, W, 4): colour and depth; circle (H, W); nearest depth of tiles and those around; taps (48, 2) of the
-    rings; settings: side of tiles at half the size, margin, and `Params.foreground`.
+    picture (H, W, 4): colour and depth; circle (H, W); nearest depth of tiles, whose side is `side` at half the size,
+    and those around; taps (48, 2) of the rings; foreground as in `Params`.
     """
-    (height, width), (side, margin, foreground) = circle.shape, settings
-    rows, columns = (height + 1) // 2, (width + 1) // 2
-    out = np.empty((6, rows, columns + 2 * margin), dtype=picture.dtype)
+    height, width = ((n + 1) // 2 for n in circle.shape)
+    out = np.empty((height, 6, width + 2 * margin), dtype=picture.dtype)
+    _prefilter(picture, circle, nearest, taps, side, margin, foreground, out)
+    return out
+
+
+@kernel
+def _prefilter(picture, circle, nearest, taps, side, margin, foreground, out):
+    (height, width), (rows, columns) = circle.shape, (len(out), out.shape[2] - 2 * margin)
     place = (2 * np.arange(columns) + 1) * width // (2 * columns)
     for y in prange(rows):
-        texels, planes, inside = borrow(picture.reshape(height * width, 4)), borrow(out), slice(margin, margin + columns)
-        radius, behind, before = planes[CIRCLE, y, inside], planes[BEHIND, y, inside], planes[BEFORE, y, inside]
+        texels, planes, inside = borrow(picture.reshape(height * width, 4)), borrow(out)[y], slice(margin, margin + columns)
+        radius, behind, before = planes[CIRCLE, inside], planes[BEHIND, inside], planes[BEFORE, inside]
         depth = np.empty(columns, dtype=picture.dtype)
         own = (2 * y + 1) * height // (2 * rows)
         for x in range(columns):
@@ -66,11 +74,10 @@ def prefilter(picture, circle, nearest, taps, settings):
                 else:
                     _add_own(texels, (height, width), texel, share, kept[:count], sums)
             for n in range(3):
-                _divide(sums[:count], n, planes[n, y, margin + start : margin + start + count])
+                _divide(sums[:count], n, planes[n, margin + start : margin + start + count])
         for n in range(6):
-            plane = planes[n, y]
+            plane = planes[n]
             plane[:margin], plane[margin + columns :] = plane[margin], plane[margin + columns - 1]
-    return out
 
 
 @inline

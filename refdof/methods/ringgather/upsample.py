@@ -2,66 +2,56 @@
 
 import numpy as np
 
+from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.texel_registers import blend_to
 from refdof.image.bilinear import first_of_two, texels_around
 
 __all__ = ["upsampled"]
 
 
-@kernel
-def upsampled(color, soft, circle, depth, greatest, nearest, side):
+def upsampled(
+    color: Float, soft: Float, circle: Float, depth: Float, greatest: Float, nearest: Float, side: int
+) -> Float:
     """The soft picture (h, w, 4) over color (H, W, 3); circle and depth (H, W), and those around tiles of `side` px."""
-    (height, width), scalar = circle.shape, color.dtype.type
-    rows, columns = soft.shape[:2]
-    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
-    first, share = np.empty(width, dtype=np.int32), np.empty(width, dtype=color.dtype)
-    for x in range(width):
-        first[x], share[x] = first_of_two((scalar(np.int32(x)) + half) * right, columns)
-    flat, out = soft.reshape(rows, 4 * columns), np.empty_like(color)
-    for y in prange(height):
-        upper, lower, between = texels_around((scalar(y) + half) * down, rows)
-        line = np.empty(4 * columns + 4, dtype=color.dtype)
-        _blend(borrow(flat)[upper], borrow(flat)[lower], between, line)
-        texels, shares, radius, far = borrow(first), borrow(share), borrow(circle)[y], borrow(depth)[y]
-        row, source = borrow(out)[y], borrow(color)[y]
-        for tile in range(greatest.shape[1]):
-            run, around = slice(tile * side, min((tile + 1) * side, width)), (y // side, tile)
-            _over(
-                source[run], line, texels[run], shares[run], radius[run], far[run], greatest[around], nearest[around],
-                row[run],
-            )  # fmt: skip
+    out = np.empty_like(color)  # of NumPy, whose large arrays are on large pages
+    _upsample(color, soft, circle, depth, greatest, nearest, side, out)
     return out
 
 
-@inline
-def _blend(upper, lower, share, line):
-    """A row between two of texels, its last one twice."""
-    last = len(upper)
-    for k in range(last):
-        line[k] = upper[k] + (lower[k] - upper[k]) * share
-    for k in range(4):
-        line[last + k] = line[last - 4 + k]
+@kernel
+def _upsample(color, soft, circle, depth, greatest, nearest, side, out):
+    (height, width), scalar = circle.shape, color.dtype.type
+    rows, columns = soft.shape[:2]
+    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
+    first, share = np.empty(width, dtype=np.int64), np.empty(width, dtype=color.dtype)
+    for x in range(width):
+        first[x], share[x] = first_of_two((scalar(np.int32(x)) + half) * right, columns)
+    flat = soft.reshape(rows * columns, 4)
+    sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
+    for y in prange(height):
+        texels, row, source, reads = borrow(flat), borrow(picture)[y], borrow(sharp)[y], np.empty((side, 4), color.dtype)
+        radius, far, places, shares = borrow(circle)[y], borrow(depth)[y], borrow(first), borrow(share)
+        upper, lower, between = texels_around((scalar(y) + half) * down, rows)
+        for tile in range(greatest.shape[1]):
+            start, end = tile * side, min((tile + 1) * side, width)
+            for x in range(start, end):
+                i, k = places[x], min(places[x] + 1, columns - 1)
+                a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
+                blend_to(texels, a, b, c, d, shares[x], between, reads, x - start)
+            most, front, pixels = greatest[y // side, tile], nearest[y // side, tile], slice(3 * start, 3 * end)
+            _over(source[pixels], reads.reshape(-1), radius[start:end], far[start:end], most, front, row[pixels])
 
 
 @inline
-def _over(source, line, first, share, circle, depth, greatest, nearest, out):
+def _over(source, soft, circle, depth, greatest, nearest, out):
+    """Read pixels of the soft picture (4 X,) over those of the sharp one (3 X,)."""
     zero, one = out.dtype.type(0), out.dtype.type(1)
     for x in range(len(circle)):
-        k, t = np.uintp(4 * first[x]), share[x]
-        red, green, blue, alpha = (
-            _between(line, k, t),
-            _between(line, k + np.uintp(1), t),
-            _between(line, k + np.uintp(2), t),
-            _between(line, k + np.uintp(3), t),
-        )
-        near = min(max(one - (depth[x] - nearest), zero), one)
+        alpha, near = soft[4 * x + 3], min(max(one - (depth[x] - nearest), zero), one)
         reach = greatest * (one - near) + circle[x] * near
-        soft = min(max(circle[x] * (one - alpha) + reach * alpha, zero), one)
-        out[x, 0] = source[x, 0] * (one - soft) + red * soft
-        out[x, 1] = source[x, 1] * (one - soft) + green * soft
-        out[x, 2] = source[x, 2] * (one - soft) + blue * soft
-
-
-@inline
-def _between(line, k, share):
-    return line[k] + (line[k + np.uintp(4)] - line[k]) * share
+        share = min(max(circle[x] * (one - alpha) + reach * alpha, zero), one)
+        rest = one - share
+        out[3 * x] = source[3 * x] * rest + soft[4 * x] * share
+        out[3 * x + 1] = source[3 * x + 1] * rest + soft[4 * x + 1] * share
+        out[3 * x + 2] = source[3 * x + 2] * rest + soft[4 * x + 2] * share
