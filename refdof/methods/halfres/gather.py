@@ -5,30 +5,39 @@ Pictures are (H, W, 4), of which three are a colour.
 
 import numpy as np
 
+from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof.image.bilinear import add_read, read_to
+from refdof._jit.texel_registers import blend_to
+from refdof._jit.texel_sums import add_blend
+from refdof.image.bilinear import first_of_two, four_around, read_to, texels_around
 
 __all__ = ["brightest", "composite", "means"]
+
+_MOST = 64  # points of a disc, at most
+_RUN = 64  # px, whose reads stay in the nearest cache
 
 
 @kernel
 def means(picture, circles, points, reach):
-    """Means over discs: picture (H, W, 4), circles (h, w) of `reach` px, points (N, 2) -> (h, w, 4), circle last."""
+    """Means over discs: picture (H, W, 4), circles (h, w) of `reach` px, points (2, N) -> (h, w, 4), circle last."""
     size, (height, width) = picture.shape[:2], circles.shape
     scalar, texels = picture.dtype.type, picture.reshape(size[0] * size[1], 4)
     right, down, half = scalar(size[1] / width), scalar(size[0] / height), scalar(0.5)
     out = np.zeros((height, width, 4), dtype=picture.dtype)
     for y in prange(height):
         row, source, taps, v = borrow(out)[y], borrow(texels), borrow(points), (scalar(y) + half) * down
+        places, shares = _scratch(points)
         for x in range(width):
             u, radius = (scalar(np.int32(x)) + half) * right, circles[y, x] * scalar(reach)
             if radius == scalar(0):  # all reads are the same one
                 read_to(source, size, u, v, row, x)
             else:
-                for k in range(len(taps)):
-                    add_read(source, size, u + taps[k, 0] * radius, v + taps[k, 1] * radius, scalar(1), row, x)
+                _find(taps, (u, v), (radius, radius), size, places, shares)
+                for k in range(taps.shape[1]):
+                    a, b, c, d = four_around(0, size[1], size[0], np.int64(places[k]), np.int64(places[_MOST + k]))
+                    add_blend(row, x, scalar(1), source, a, b, c, d, shares[k], shares[_MOST + k])
                 for c in range(3):
-                    row[x, c] /= scalar(len(taps))
+                    row[x, c] /= scalar(taps.shape[1])
             row[x, 3] = circles[y, x]
     return out
 
@@ -41,48 +50,93 @@ def brightest(picture, points, reach_x, reach_y):
     half = scalar(0.5)
     out = picture.copy()
     for y in prange(height):
-        read = np.empty((1, 4), dtype=picture.dtype)
-        row, source, one, taps = borrow(out)[y], borrow(texels), borrow(read), borrow(points)
+        reads = np.empty((points.shape[1], 4), dtype=picture.dtype)
+        row, source, found, taps = borrow(out)[y], borrow(texels), borrow(reads), borrow(points)
+        places, shares = _scratch(points)
         for x in range(width):
             u, v, circle = scalar(np.int32(x)) + half, scalar(y) + half, row[x, 3]
             if circle > scalar(0):
-                for k in range(len(taps)):
-                    across, along = taps[k, 0] * (circle * scalar(reach_x)), taps[k, 1] * (circle * scalar(reach_y))
-                    read_to(source, (height, width), u + across, v + along, one, 0)
-                    for c in range(3):
-                        row[x, c] = max(row[x, c], one[0, c])
+                radii = circle * scalar(reach_x), circle * scalar(reach_y)
+                _find(taps, (u, v), radii, (height, width), places, shares)
+                for k in range(taps.shape[1]):
+                    a, b, c, d = four_around(0, width, height, np.int64(places[k]), np.int64(places[_MOST + k]))
+                    blend_to(source, a, b, c, d, shares[k], shares[_MOST + k], found, k)
+                for c in range(3):
+                    for k in range(taps.shape[1]):
+                        row[x, c] = max(row[x, c], found[k, c])
     return out
 
 
-@kernel
-def composite(color, far, near, blurs, added):
+@inline
+def _scratch(points):
+    """For `_find`: columns and rows of the first of two texels, and the second ones' weights."""
+    return np.empty(2 * _MOST, dtype=np.int32), np.empty(2 * _MOST, dtype=points.dtype)
+
+
+@inline
+def _find(points, center, radii, size, places, shares):
+    """Where the points (2, N) of a disc around a place [texels from the corner] are read."""
+    for k in range(points.shape[1]):
+        places[k], shares[k] = first_of_two(center[0] + points[0, k] * radii[0], size[1])
+        places[_MOST + k], shares[_MOST + k] = first_of_two(center[1] + points[1, k] * radii[1], size[0])
+
+
+def composite(color: Float, far: Float, near: Float, blurs: Float, added: bool) -> Float:
     """Far, then near over the picture: color (H, W, 3), far and near (h, w, 4) -> (H, W, 3).
 
     Where `added`, the far picture is black where it does not blur, and is added: blurs (2, H, W) are how much of the
     picture goes in each step. Else these are twice the circles, up to 1.
     """
-    height, width = color.shape[:2]
-    scalar, size = color.dtype.type, far.shape[:2]
-    right, down, half = scalar(size[1] / width), scalar(size[0] / height), scalar(0.5)
-    one = scalar(1)
-    behind, before = far.reshape(size[0] * size[1], 4), near.reshape(size[0] * size[1], 4)
-    out = np.empty_like(color)
-    for y in prange(height):
-        reads = np.empty((2, 4), dtype=color.dtype)
-        two, row, source, v = borrow(reads), borrow(out)[y], borrow(color)[y], (scalar(y) + half) * down
-        for x in range(width):
-            u = (scalar(np.int32(x)) + half) * right
-            read_to(borrow(behind), size, u, v, two, 0)
-            read_to(borrow(before), size, u, v, two, 1)
-            if added:
-                for c in range(3):
-                    kept = source[x, c] * (one - blurs[0, y, x]) + two[0, c]
-                    row[x, c] = _mix(kept, two[1, c], blurs[1, y, x])
-            else:
-                first, second = scalar(2) * min(two[0, 3], half), scalar(2) * min(two[1, 3], half)
-                for c in range(3):
-                    row[x, c] = _mix(_mix(source[x, c], two[0, c], first), two[1, c], second)
+    out = np.empty_like(color)  # of NumPy, whose large arrays are on large pages
+    _composite(color, far, near, blurs, added, out)
     return out
+
+
+@kernel
+def _composite(color, far, near, blurs, added, out):
+    (height, width), scalar, (rows, columns) = color.shape[:2], color.dtype.type, far.shape[:2]
+    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
+    first, share = np.empty(width, dtype=np.int64), np.empty(width, dtype=color.dtype)
+    for x in range(width):
+        first[x], share[x] = first_of_two((scalar(np.int32(x)) + half) * right, columns)
+    behind, before = far.reshape(rows * columns, 4), near.reshape(rows * columns, 4)
+    sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
+    for y in prange(height):
+        two, places, shares = np.empty((2, _RUN, 4), dtype=color.dtype), borrow(first), borrow(share)
+        upper, lower, between = texels_around((scalar(y) + half) * down, rows)
+        for start in range(0, width, _RUN):
+            end = min(start + _RUN, width)
+            for x in range(start, end):
+                i, k = places[x], min(places[x] + 1, columns - 1)
+                a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
+                blend_to(borrow(behind), a, b, c, d, shares[x], between, two[0], x - start)
+                blend_to(borrow(before), a, b, c, d, shares[x], between, two[1], x - start)
+            source, row = borrow(sharp)[y, 3 * start : 3 * end], borrow(picture)[y, 3 * start : 3 * end]
+            if added:
+                kept = blurs[0, y, start:end], blurs[1, y, start:end]
+                _lay_added(source, two[0].reshape(-1), two[1].reshape(-1), kept, row)
+            else:
+                _lay(source, two[0].reshape(-1), two[1].reshape(-1), row)
+
+
+@inline
+def _lay(source, far, near, out):
+    """Far, then near pixels (4 X,) over a run's (3 X,), each by twice its circle."""
+    two, half = out.dtype.type(2), out.dtype.type(0.5)
+    for x in range(len(out) // 3):
+        first, second = two * min(far[4 * x + 3], half), two * min(near[4 * x + 3], half)
+        for c in range(3):
+            out[3 * x + c] = _mix(_mix(source[3 * x + c], far[4 * x + c], first), near[4 * x + c], second)
+
+
+@inline
+def _lay_added(source, far, near, blurs, out):
+    """The same where far pixels are added to what is left of the run's."""
+    one = out.dtype.type(1)
+    for x in range(len(out) // 3):
+        for c in range(3):
+            kept = source[3 * x + c] * (one - blurs[0][x]) + far[4 * x + c]
+            out[3 * x + c] = _mix(kept, near[4 * x + c], blurs[1][x])
 
 
 @inline

@@ -126,7 +126,7 @@ def blur(
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     kind, circles = color.dtype, circles_of(depth, coc, params)
-    mean_of, most_of = (table.astype(kind) for table in points())
+    mean_of, most_of = (np.ascontiguousarray(table.T, dtype=kind) for table in points())
     reach, (rows, columns) = params.largest_px, circles.far_half.shape
     small = reach * columns / coc.shape[1], reach * rows / coc.shape[0]
     picture = joined(color, circles.far)
