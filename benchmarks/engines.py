@@ -8,8 +8,8 @@
 Both run on the same processor in turn, round by round, with as many threads as each takes by itself; first calls are
 left out, numbers are medians. Of the ports, all draws are timed, uploads and read-backs are not. Circles are radii, and
 every method cuts them at 32 px. The time of the processor, of all threads, is told beside that of the clock: on a busy
-machine look at that one. Threads of either sleep while they wait, since what they spend on waiting is no work. Run it
-from the root of the repository: ``python benchmarks/engines.py --json out.json``.
+machine look at that one. Numba's threads sleep while they wait, as llvmpipe's do: waiting is no work. Run it from the
+root of the repository: ``python benchmarks/engines.py --json out.json``.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the shaders' hosts are the tests' own
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # read when Numba starts its threads; llvmpipe's sleep by themselves
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # read when Numba starts its threads
 
 import refdof
 from refdof.methods import METHODS

@@ -779,6 +779,7 @@ INNER_MODULES = {
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.circular.coefficients", "methods.circular.passes", "methods.filament.gather", "methods.filament.half",
     "methods.halfres.circles", "methods.halfres.gather", "methods.ringgather.gather",
+    "methods.ringgather.prefilter", "methods.ringgather.upsample",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
     "methods.lensblur.tile_color", "methods.lensblur.tile_rays", "methods.lensblur.tile_walk",

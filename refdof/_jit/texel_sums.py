@@ -66,8 +66,8 @@ def _add_pairs(
 
         reads = []
         for first, second, share in ((6, 7, 10), (8, 9, 11)):
-            pair = (texel(4, arguments[n], lanes)[2] for n in (first, second))
-            reads.append(plain_lerp(builder, *pair, spread(builder, arguments[share], lanes)))
+            a, b = (texel(4, arguments[n], lanes)[2] for n in (first, second))
+            reads.append(plain_lerp(builder, a, b, spread(builder, arguments[share], lanes)))
         read = builder.fadd(*reads)
         if lanes < WIDE:
             read = pick(builder, read, read, [0, 1, 2, 3] * 2)

@@ -234,6 +234,20 @@ def test_a_weighed_blend_is_added_to_its_row_alone(dtype):
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_weighed_pairs_are_added_to_their_row_alone(dtype):
+    # Binary fractions, as above.
+    random = np.random.default_rng(5)
+    wide, narrow, weights = ((random.integers(0, 64, (n, c)) / 64.0).astype(dtype) for n, c in ((7, 8), (7, 4), (2, 8)))
+    sums = np.arange(24.0).reshape(3, 8).astype(dtype)
+    expected = sums.astype(float)
+    for k, texels in ((1, wide.astype(float)), (2, np.tile(narrow.astype(float), 2))):
+        pairs = 0.75 * texels[2] + 0.25 * texels[3] + 0.5 * texels[5] + 0.5 * texels[6]
+        expected[k] += weights[1].astype(float) * pairs
+    add_two_pairs(sums, weights, wide, narrow, dtype(0.25), dtype(0.5))
+    np.testing.assert_array_equal(sums, expected)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_weighed_texels_are_the_sum_of_each_channel(dtype):
     texels, weights = np.random.default_rng(2).random((7, 4)).astype(dtype), tuple(dtype(k) for k in (0.5, 2, 3))
     found = weigh(texels, (6, 0, 3), weights)
@@ -274,6 +288,12 @@ def add(sums, k, weight, texels, a, b, c, d, across, down):
 @_jit.tile_kernel
 def add_twice(sums, k, weights, texels, a, b, c, d, across, down):
     texel_sums.add_blend_twice(sums, k, weights, texels, a, b, c, d, across, down)
+
+
+@_jit.tile_kernel
+def add_two_pairs(sums, weights, wide, narrow, s, t):
+    texel_sums.add_pairs(sums, 1, weights, 1, wide, 2, 3, 5, 6, s, t)
+    texel_sums.add_pairs_of_four(sums, 2, weights, 1, narrow, 2, 3, 5, 6, s, t)
 
 
 @_jit.tile_kernel

@@ -79,7 +79,7 @@ def _rings_of(most):
 
 @inline
 def _place(taps, most, used, offsets, weights):
-    """The centre and the taps of so many rings: offsets of the first of four texels, and of the nearest one, (x, y) each.
+    """The centre and the taps of `used` rings: offsets (x, y) of the first of four texels and of the nearest one.
 
     weights: of the four texels, then rings from the first one on, and the least of what that is multiplied by.
     """
