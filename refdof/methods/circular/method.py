@@ -31,7 +31,7 @@ import numpy as np
 from refdof._check import Float, as_instance
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
-from refdof.methods.circular.coefficients import RADIUS, kernels
+from refdof.methods.circular.coefficients import RADIUS, Kernels, kernels
 from refdof.methods.circular.params import Params
 from refdof.methods.circular.passes import disc
 from refdof.raster.filters.resize import resize
@@ -133,9 +133,9 @@ def _disc(
     kind = color.dtype
     cut = np.minimum(circles, kind.type(params.largest_px))
     spacing = cut * kind.type((1.0 + params.transition) / (params.fitted_radius * RADIUS))
-    taps = kernels(components, params.transition, params.misprinted)
+    taps = Kernels(*(part.astype(kind) for part in kernels(components, params.transition, params.misprinted)))
     parts = np.empty((*circles.shape, components, 2, 3) if recorder.on else (0, 0, 0, 0, 0), dtype=kind)
-    image = disc(color, spacing, taps.first.astype(kind), taps.second.astype(kind), reach, parts)
+    image = disc(color, spacing, taps, reach, parts)
     recorder.record("parts", lambda: parts.reshape(*circles.shape, -1))
     return image
 

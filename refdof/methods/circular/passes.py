@@ -12,8 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_sums import WIDE, add_pairs, add_pairs_of_four
+from refdof.methods.circular.coefficients import Kernels
 
 __all__ = ["disc"]
 
@@ -34,21 +36,35 @@ class _Line(NamedTuple):
     aside: int
 
 
-@kernel
-def disc(color, spacing, first, second, reach, parts):
-    """Both passes: color (H, W, 3), spacing (H, W) px, taps (R + 1, n, 2) of each -> (H, W, 3).
+def disc(color: Float, spacing: Float, taps: Kernels, reach: Float | None, parts: Float) -> Float:
+    """Both passes: color (H, W, 3), spacing (H, W) px, taps of the type of `color` -> (H, W, 3).
 
     reach (H, W): a tap between two texels where it is 0 counts as the pixel itself. None: all are taken.
     parts (H, W, n, 2, 3): set to real and imaginary colours after the first pass, unless it is empty.
     """
-    height, width = spacing.shape
-    count, out = first.shape[1], np.empty_like(color)
-    across, down = _of_pairs(first), _of_pairs(second)
-    texels = np.zeros((height * width + 1, 4), dtype=color.dtype)  # one more to be loaded after the last
+    out, first, second = np.empty_like(color), _of_pairs(taps.first), _of_pairs(taps.second)
+    # Of NumPy, whose large arrays are on large pages; with one more to be loaded after the last.
+    texels = np.empty((spacing.size + 1, 4), dtype=color.dtype)
+    texels[-1] = 0.0
+    _disc(color, texels, spacing, first, second, reach, parts, out)
+    return out
+
+
+def _of_pairs(taps: Float) -> Float:
+    """Taps (R + 1, n, 2), number for number: (R + 1, n, 8). Half of the central one, which both sides add."""
+    wide = np.repeat(taps, WIDE // 2, axis=2)
+    wide[0] *= 0.5
+    return wide
+
+
+@kernel
+def _disc(color, texels, spacing, across, down, reach, parts, out):
+    """`disc`, with texels (H W + 1, 4) to be filled."""
+    (height, width), count, zero = spacing.shape, across.shape[1], color.dtype.type(0)
     for y in prange(height):
         row, source = borrow(texels)[y * width : (y + 1) * width], borrow(color)[y]
         for x in range(width):
-            row[x, 0], row[x, 1], row[x, 2] = source[x, 0], source[x, 1], source[x, 2]
+            row[x, 0], row[x, 1], row[x, 2], row[x, 3] = source[x, 0], source[x, 1], source[x, 2], zero
     for job in prange(-(-width // _STRIP)):
         start, end = job * _STRIP, min((job + 1) * _STRIP, width)
         pitch = _STRIP + 1  # or all rows would meet in a few places of a cache
@@ -68,7 +84,7 @@ def disc(color, spacing, first, second, reach, parts):
         sums = np.empty((end - start, WIDE), dtype=color.dtype)
         for y in range(height):
             line, near = _Line(height, y, 0, 0, pitch, 1), _Line(height, y, 0, start, width, 1)
-            sums[:] = color.dtype.type(0)
+            sums[:] = zero
             for j in range(len(down)):
                 _find(spacing[y, start:end], j, line, firsts, shares)
                 if reach is not None:
@@ -77,18 +93,6 @@ def disc(color, spacing, first, second, reach, parts):
             for x in range(len(sums)):
                 for c in range(3):
                     picture[y, start + x, c] = sums[x, c] + sums[x, c + 4]
-    return out
-
-
-@inline
-def _of_pairs(taps):
-    """Taps (R + 1, n, 2), number for number: (R + 1, n, 8). Half of the central one, which both sides add."""
-    out = np.empty((*taps.shape[:2], WIDE), dtype=taps.dtype)
-    for j in range(out.shape[0]):
-        for n in range(out.shape[1]):
-            for c in range(WIDE):
-                out[j, n, c] = taps[j, n, c // 4] * taps.dtype.type(1 if j else 0.5)
-    return out
 
 
 @inline

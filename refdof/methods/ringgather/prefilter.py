@@ -52,11 +52,8 @@ def _prefilter(picture, circle, nearest, taps, side, margin, foreground, out):
     (height, width), (rows, columns) = circle.shape, (len(out), out.shape[2] - 2 * margin)
     place = (2 * np.arange(columns) + 1) * width // (2 * columns)
     for y in prange(rows):
-        texels, planes, inside = (
-            borrow(picture.reshape(height * width, 4)),
-            borrow(out)[y],
-            slice(margin, margin + columns),
-        )
+        texels, planes = borrow(picture.reshape(height * width, 4)), borrow(out)[y]
+        inside = slice(margin, margin + columns)
         radius, behind, before = planes[CIRCLE, inside], planes[BEHIND, inside], planes[BEFORE, inside]
         depth = np.empty(columns, dtype=picture.dtype)
         own = (2 * y + 1) * height // (2 * rows)

@@ -30,12 +30,8 @@ def _upsample(color, soft, circle, depth, greatest, nearest, side, out):
     flat = soft.reshape(rows * columns, 4)
     sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
     for y in prange(height):
-        texels, row, source, reads = (
-            borrow(flat),
-            borrow(picture)[y],
-            borrow(sharp)[y],
-            np.empty((side, 4), color.dtype),
-        )
+        texels, row, source = borrow(flat), borrow(picture)[y], borrow(sharp)[y]
+        reads = np.empty((side, 4), dtype=color.dtype)
         radius, far, places, shares = borrow(circle)[y], borrow(depth)[y], borrow(first), borrow(share)
         upper, lower, between = texels_around((scalar(y) + half) * down, rows)
         for tile in range(greatest.shape[1]):
