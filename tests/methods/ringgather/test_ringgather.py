@@ -1,6 +1,7 @@
 """ringgather beside its naive twin, by hand, and beside what was measured of the engine's table."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,19 +13,26 @@ pytestmark = pytest.mark.fast
 
 
 def case(name):
-    """Colour, depth and circles: everything at once over two tiles, hardly any blur, or one circle."""
+    """Colour, depth and circles: everything at once, hardly any blur, one circle, more or less from tile to tile."""
     random = np.random.default_rng(7)
-    size = (5, 7) if name != "all" else (9, 40)
+    size = {"all": (9, 40), "wide": (3, 170), "tall": (170, 3)}.get(name, (5, 7))
     color, depth = random.random((*size, 3)), random.uniform(1.0, 2.0, size)
-    coc = {"all": random.uniform(-6, 6, size), "none": np.full(size, 0.7), "one": np.full(size, -5.0)}[name]
+    coc = {"all": random.uniform(-6, 6, size), "none": np.full(size, 0.7), "one": np.full(size, -5.0)}.get(name)
+    if coc is None:
+        tiles = np.indices(size).sum(axis=0) // 32
+        coc = random.uniform(1.0, 1.2, size) * (6.0 - tiles if name == "tall" else 1.0 + tiles)
+        coc[::3] *= 0.2
+        depth += 0.2 * tiles
     if name == "all":
         depth[:3], coc[:3] = np.inf, 3.0
         depth[-1, ::2], coc[3] = 1e-3, 0.0
     return color, depth, coc
 
 
-@pytest.mark.parametrize("words", [{}, {"fill": True, "gain": 2.0, "foreground": 3.0}, {"working": "tonemapped"}])
-@pytest.mark.parametrize("name", ["all", "none", "one"])
+WORDS = [{}, {"fill": True, "gain": 2.0, "foreground": 3.0}, {"working": "tonemapped"}]
+
+
+@pytest.mark.parametrize(("name", "words"), [*product(["all", "none", "one"], WORDS), ("wide", {}), ("tall", {})])
 def test_matches_the_naive_twin(name, words):
     color, depth, coc = case(name)
     params = Params(largest_px=4.0, **words)
