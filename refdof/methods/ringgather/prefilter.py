@@ -86,7 +86,7 @@ def _sort(depth, circle, nearest, foreground, behind, before):
     """Share a tap's light per area out: behind the nearest surface around it, and before."""
     scalar = depth.dtype.type
     for x in range(len(depth)):
-        light = min(scalar(1) / (scalar(math.pi) * circle[x] * circle[x]), scalar(1.0 / LEAST_AREA))
+        light = scalar(1) / max(scalar(math.pi) * circle[x] * circle[x], scalar(LEAST_AREA))
         t = scalar(min(max(np.float64(depth[x] - nearest) / foreground, 0.0), 1.0))
         behind[x] = light * (t * t * (scalar(3) - scalar(2) * t))
         before[x] = light - behind[x]
