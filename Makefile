@@ -41,6 +41,7 @@ lint: .venv/test  ## style, types and import layers
 
 wheel: .venv/test  ## build the wheel and the source archive and try both outside the repository
 	.ci/wheel
+	.ci/source_archive
 
 readme: .venv/run  ## make the README's picture and table anew
 	$(BIN)/refdof compare fence --size 320x240 --out out/readme
@@ -94,9 +95,14 @@ clean:  ## remove the virtual environment and what was built
 	$(BYTECODE)
 	touch $@
 
+everything: .venv/bin/python  ## install what every task needs, in one go, 3 GB
+	$(INSTALL) '.[test,lint,peers,fuzz,optiland,docs]'
+	$(BYTECODE)
+	touch .venv/run && touch .venv/test && touch .venv/peers .venv/fuzz .venv/optiland .venv/docs
+
 optiland: .venv/optiland  ## install optiland (1.3 GB) and make the stored rays of real lenses anew
 	REFDOF_REQUIRE_OPTILAND=1 $(BIN)/python -m pytest tests/optics/systems/test_optiland.py
 
 peers: .venv/peers  ## install the renderers that some tests and benchmarks compare with
 
-.PHONY: help compare test fast bounds mutants fuzz lint bench docs wheel readme new-method new-scene clean peers optiland
+.PHONY: help compare test fast bounds mutants fuzz lint bench docs wheel readme new-method new-scene clean peers optiland everything

@@ -96,7 +96,7 @@ def _cache_root() -> Path:
 def _open_cache() -> None:
     """Point Numba at this build's own folder and remove folders that nobody used for a month."""
     root = _cache_root()
-    folder = root / _digest_of(_package_folder(), ("",), str(numba.config.BOUNDSCHECK))
+    folder = root / _digest_of(_package_folder(), ("",), str(numba.config.BOUNDSCHECK), str(numba.config.OPT))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
@@ -207,7 +207,8 @@ def _keyed(compiled: Any) -> Any:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a loop over pixels: `prange` iterations own what they write."""
-    return _keyed(numba.njit(parallel=True, **_HOW)(function))
+    # An error in an iteration of a parallel loop is lost, that of an index out of bounds too.
+    return _keyed(numba.njit(parallel=not numba.config.BOUNDSCHECK, **_HOW)(function))
 
 
 def tile_kernel(function: Callable[..., Any]) -> Any:

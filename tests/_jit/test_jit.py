@@ -112,6 +112,52 @@ def test_processes_that_compile_at_once_keep_their_signatures_apart(tmp_path):
             assert found == ("[]" if compile_.JIT_DISABLED else f"[{hits}, {hits}]")
 
 
+BEYOND = """
+import numpy as np
+from refdof._jit import borrow, inline, kernel, prange, tile_kernel
+
+
+@inline
+def read(row, k):
+    return row[k]
+
+
+@tile_kernel
+def in_a_tile(a, n):
+    return read(a, n)
+
+
+@kernel
+def in_a_loop(a, n):
+    out = np.zeros(n)
+    for k in prange(n):
+        out[k] = read(a, k + 1)
+    return out
+
+
+@kernel
+def in_a_borrowed_row(a, n):
+    for k in prange(1):
+        borrow(a)[n] = 1.0
+
+
+for function in (in_a_tile, in_a_loop, in_a_borrowed_row):
+    function(np.zeros(9), 8)
+    try:
+        function(np.zeros(9), 9)
+    except IndexError:
+        print(function.__name__)
+"""
+
+
+@pytest.mark.skipif(_jit.JIT_DISABLED, reason="about compiled code; the compiled pass runs it")
+def test_checked_bounds_are_told_of_whatever_the_loop(tmp_path):
+    (tmp_path / "beyond.py").write_text(BEYOND)  # Numba reads sources
+    words = {**os.environ, "PYTHONPATH": str(ROOT), "REFDOF_CACHE_DIR": str(tmp_path), "NUMBA_BOUNDSCHECK": "1"}
+    done = subprocess.run([sys.executable, "beyond.py"], env=words, cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.split() == ["in_a_tile", "in_a_loop", "in_a_borrowed_row"], done.stderr
+
+
 def test_a_folder_that_nobody_used_for_a_month_is_removed(tmp_path):
     package, cache = tmp_path / "refdof", tmp_path / "cache"
     package.mkdir()
