@@ -37,12 +37,13 @@ def gather(texels, places, least, greatest, moved, most_rings):
 def _gather(texels, levels, reach, rings, moved, most_rings, table):
     """reach and rings (3, h / 8, w / 8): circles, and how many rings they take, none where a tile takes no part."""
     height, width = moved.shape[:2]
-    out = np.zeros((height, width, 4), dtype=texels.dtype)
+    out = np.empty((height, width, 4), dtype=texels.dtype)
     for y in prange(height):
         whole, numbers = np.empty((6, MOST_LANES), dtype=np.int32), np.empty((34, MOST_LANES), dtype=texels.dtype)
         totals = np.empty((MOST_LANES, 4), dtype=texels.dtype)
         picture = borrow(texels), borrow(levels), borrow(table), borrow(moved)[y]
         buffers = borrow(whole), borrow(numbers), borrow(totals)
+        borrow(out)[y, :, :] = texels.dtype.type(0)
         for sort in range(3):
             tiles = borrow(rings)[sort, y // _TILE], borrow(reach)[sort, y // _TILE]
             for count in range(1, most_rings + 1):

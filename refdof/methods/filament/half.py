@@ -1,11 +1,13 @@
 """Half: colour and nearest circle at half the size, their mip levels, tiles, and the noise of the taps."""
 
+from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from refdof._check import Float, Index
-from refdof._jit import borrow, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
 from refdof.raster.filters.tiles import Tiles, tiles_of
 
 __all__ = ["LEVELS", "TILE", "Half", "half_of", "noise"]
@@ -36,62 +38,66 @@ class Half(NamedTuple):
 def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     """Halve a picture (H, W, 3) and its circles (H, W), px, whose edges are repeated to whole tiles."""
     height, width = (-(-side // _SHAPE) * TILE for side in coc.shape)
-    levels = [_halved(color, coc, height, width, coc.dtype.type(largest_px))]
-    tiles = tiles_of(levels[0][..., 3], TILE).dilated(2)
-    while len(levels) < LEVELS:
-        levels.append(_coarser(levels[-1]))
-    heights, widths = (np.array([level.shape[axis] for level in levels]) for axis in (0, 1))
+    heights, widths = (np.array([side >> level for level in range(LEVELS)]) for side in (height, width))
     starts = np.concatenate([[0], np.cumsum(heights * widths)])
-    return Half(np.concatenate([level.reshape(-1, 4) for level in levels]), starts, widths, heights, tiles)
+    texels = np.empty((starts[-1], 4), dtype=color.dtype)
+    places = zip(starts, starts[1:], heights, widths, strict=False)
+    levels = [texels[start:end].reshape(rows, columns, 4) for start, end, rows, columns in places]
+    _halve(color, coc, coc.dtype.type(largest_px), levels[0])
+    for finer, coarser in pairwise(levels):
+        _coarsen(finer, coarser)
+    return Half(texels, starts, widths, heights, tiles_of(levels[0][..., 3], TILE).dilated(2))
 
 
 @kernel
-def _halved(color, coc, height, width, largest):
-    """Weighted means of four colours, and their nearest circle, 0 below a pixel: (height, width, 4)."""
-    out, scalar = np.empty((height, width, 4), dtype=color.dtype), color.dtype.type
-    one, last_row, last_column = scalar(1), coc.shape[0] - 1, coc.shape[1] - 1
-    for y in prange(height):
-        row, upper, lower = borrow(out)[y], min(2 * y, last_row), min(2 * y + 1, last_row)
-        for x in range(width):
+def _halve(color, coc, largest, out):
+    """Weighted means of four colours, and their nearest circle, 0 below a pixel: out (h, w, 4)."""
+    one, last_row, last_column = color.dtype.type(1), coc.shape[0] - 1, coc.shape[1] - 1
+    for y in prange(len(out)):
+        rows = min(2 * y, last_row), min(2 * y + 1, last_row)
+        upper, lower = borrow(color)[rows[0]], borrow(color)[rows[1]]
+        above, below, row = borrow(coc)[rows[0]], borrow(coc)[rows[1]], borrow(out)[y]
+        for x in range(len(row)):
             left, right = min(2 * x, last_column), min(2 * x + 1, last_column)
-            total, nearest = scalar(0), scalar(largest)
-            for c in range(3):
-                row[x, c] = scalar(0)
-            for k in range(4):
-                j, i = (upper if k < 2 else lower), (left if k % 2 == 0 else right)
-                texel = borrow(color)[j, i]
-                weight = one / (one + max(max(texel[0], texel[1]), max(texel[2], scalar(0))))
-                for c in range(3):
-                    row[x, c] += weight * texel[c]
-                total += weight
-                nearest = min(nearest, coc[j, i])
-            for c in range(3):
-                row[x, c] /= total
-            nearest = max(nearest, -scalar(largest))
-            row[x, 3] = scalar(0) if abs(nearest) < one else nearest
-    return out
+            a, b, c, d = _light(upper[left]), _light(upper[right]), _light(lower[left]), _light(lower[right])
+            whole = one / (a + b + c + d)
+            for k in range(3):
+                total = a * upper[left, k] + b * upper[right, k] + c * lower[left, k] + d * lower[right, k]
+                row[x, k] = total * whole
+            nearest = min(min(above[left], above[right]), min(below[left], below[right]))
+            nearest = max(min(nearest, largest), -largest)
+            row[x, 3] = nearest if abs(nearest) >= one else color.dtype.type(0)
+
+
+@inline
+def _light(texel):
+    """The weight of a colour: less of a bright one."""
+    one = type(texel[0])(1)
+    return one / (one + max(max(texel[0], texel[1]), max(texel[2], one - one)))
 
 
 @kernel
-def _coarser(finer):
-    """The next mip level of (h, w, 4): mean colours, nearest circles."""
-    height, width, scalar = finer.shape[0] // 2, finer.shape[1] // 2, finer.dtype.type
-    out = np.empty((height, width, 4), dtype=finer.dtype)
-    for y in prange(height):
+def _coarsen(finer, out):
+    """The next mip level (h, w, 4) of (2 h, 2 w, 4): mean colours, nearest circles."""
+    quarter = finer.dtype.type(0.25)
+    for y in prange(len(out)):
         row, upper, lower = borrow(out)[y], borrow(finer)[2 * y], borrow(finer)[2 * y + 1]
-        for x in range(width):
+        for x in range(len(row)):
             i = 2 * x
             for c in range(3):
-                row[x, c] = ((upper[i, c] + upper[i + 1, c]) + (lower[i, c] + lower[i + 1, c])) * scalar(0.25)
+                row[x, c] = ((upper[i, c] + upper[i + 1, c]) + (lower[i, c] + lower[i + 1, c])) * quarter
             row[x, 3] = min(min(upper[i, 3], upper[i + 1, 3]), min(lower[i, 3], lower[i + 1, 3]))
-    return out
 
 
+@lru_cache(maxsize=2)
 def noise(height: int, width: int, dtype: np.dtype) -> Float:
-    """Where each pixel's taps are moved, (h, w, 2), in half distances of rings: interleaved gradient noise."""
-    y, x = np.indices((height, width)) + 0.5
-    angle, square = 2.0 * np.pi * _gradient(x, y), _gradient(5099.0 * x, 3499.0 * y)
-    return (0.5 * np.sqrt(square) * np.stack([np.cos(angle), np.sin(angle)])).transpose(1, 2, 0).astype(dtype)
+    """Where each pixel's taps are moved, (h, w, 2), in half distances of rings: interleaved gradient noise.
+
+    Kept for the next picture of this size, as an engine does with a table.
+    """
+    y, x = np.arange(height)[:, None] + 0.5, np.arange(width) + 0.5
+    angle, far = 2.0 * np.pi * _gradient(x, y), 0.5 * np.sqrt(_gradient(5099.0 * x, 3499.0 * y))
+    return np.stack([far * np.cos(angle), far * np.sin(angle)], axis=2).astype(dtype)
 
 
 def _gradient(x: Float, y: Float) -> Float:

@@ -33,7 +33,6 @@ References
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from refdof._check import Float, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
@@ -155,8 +154,8 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     moved = noise(half.finest.shape[0], half.finest.shape[1], color.dtype)
     places = np.stack([half.starts[:-1], half.widths, half.heights])
     gathered = gather(half.texels, places, half.tiles.least, half.tiles.greatest, moved, params.rings)
-    blurred = _per_pixel(_largest(half) >= 1, TILE)[..., None]
-    smooth = np.where(blurred, median(gathered), gathered)
+    smooth = median(gathered)
+    _by_tile(smooth)[_largest(half) < 1] = 0
     recorder.record("coc", lambda: coc)
     recorder.record("half", lambda: half.finest)
     recorder.record("gathered", lambda: gathered)
@@ -170,8 +169,10 @@ def _largest(half: Half) -> Float:
     return np.maximum(np.abs(half.tiles.least), np.abs(half.tiles.greatest))
 
 
-def _per_pixel(tiles: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
-    return tiles.repeat(side, axis=0).repeat(side, axis=1)
+def _by_tile(picture: Float) -> Float:
+    """A view (h / 8, w / 8, 8, 8, 4) of (h, w, 4)."""
+    height, width, channels = picture.shape
+    return picture.reshape(height // TILE, TILE, width // TILE, TILE, channels).swapaxes(1, 2)
 
 
 def _combined(color: Float, half: Half, smooth: Float) -> Float:
