@@ -1,50 +1,55 @@
-"""Alike: where all circles around are one, the mean of taps that are read bilinearly."""
+"""Alike: where all circles around are one, the mean of taps that are read bilinearly.
+
+All taps of a pixel are placed first, then read eight at a time.
+"""
 
 import numpy as np
 
 from refdof._jit import inline
-from refdof._jit.texel_sums import add_blend
-from refdof.methods.filament.lanes import clipped, pairs
+from refdof._jit.texel_lanes import LANES, add_reads
+from refdof.image.bilinear import add_read
+from refdof.methods.filament.rings import clipped, level_of
 
 __all__ = ["alike"]
 
 
 @inline
-def alike(source, lanes, count, rings, table, scratch):
-    """Leave colours times alpha, and alpha, of `count` lanes in the first rows of sums."""
-    places, shares, totals, sums = scratch
-    kind = source.dtype.type
-    for n in range(count):
+def alike(picture, pixels, circle, rings, scratch, row):
+    """Write colours times alpha, and alpha, of pixels x = begin .. end of row y, whose rings are alike, to row (w, 4).
+
+    scratch: (2, 80) int32, and (3, 80).
+    """
+    (source, levels, table, moved), (begin, end, y), kind = picture, pixels, picture[0].dtype.type
+    upper, lower, across, down = scratch[0][0], scratch[0][1], scratch[1][0], scratch[1][1]
+    sums = scratch[1][2:]
+    half, taps, apart = kind(0.5), 4 * rings * (rings - 1), circle / (kind(rings) - kind(0.5))
+    level = level_of(apart)
+    start, width, height = levels[0, level], levels[1, level], levels[2, level]
+    scale = kind(1) / kind(np.int32(1 << level))
+    step, alpha = half * apart * scale, clipped(circle - kind(1))
+    for x in range(begin, end):
+        u = (kind(np.int32(x)) + half + half * apart * moved[x, 0]) * scale
+        v = (kind(y) + half + half * apart * moved[x, 1]) * scale
+        _place(u - half, v - half, step, table, taps, (start, width, height), (upper, lower, across, down))
         for c in range(4):
-            totals[n, c] = kind(0)
-    for ring in range(rings):
-        first, many = pairs(ring)
-        share = kind(0.5 if ring == 0 else 1.0)
-        for k in range(first, first + many):
-            _add(source, lanes, count, share, (table[k, 0], table[k, 1]), places, shares, totals)
-            _add(source, lanes, count, share, (-table[k, 0], -table[k, 1]), places, shares, totals)
-    taps = kind((2 * rings - 1) * (2 * rings - 1))
-    for n in range(count):
-        alpha = clipped(lanes.circle[n] - kind(1))
+            sums[0, c] = kind(0)
+        add_read(source[start : start + width * height], (height, width), u, v, kind(1), sums, 0)
+        for k in range(0, taps, LANES):
+            add_reads(source, upper, lower, across, down, k, sums, 0)
         for c in range(3):
-            sums[c, n] = totals[n, c] / taps * alpha
-        sums[3, n] = alpha
+            row[x, c] = sums[0, c] / kind(taps + 1) * alpha
+        row[x, 3] = alpha
 
 
 @inline
-def _add(source, lanes, count, share, tap, places, shares, totals):
-    """Add a tap: places (3, N) are its first texel, and how far the next ones across and down are."""
-    kind = source.dtype.type
-    half, zero = kind(0.5), kind(0)
-    for n in range(count):
-        u = min(max(lanes.u[n] + lanes.step[n] * tap[0] - half, zero), lanes.right[n])
-        v = min(max(lanes.v[n] + lanes.step[n] * tap[1] - half, zero), lanes.bottom[n])
-        column, row = np.floor(u), np.floor(v)
-        shares[0, n], shares[1, n] = u - column, v - row
-        places[0, n] = lanes.start[n] + np.int32(row) * lanes.width[n] + np.int32(column)
-        places[1, n] = np.int32(1 if column < lanes.right[n] else 0)
-        places[2, n] = lanes.width[n] if row < lanes.bottom[n] else np.int32(0)
-    for n in range(count):
-        a = np.int64(places[0, n])
-        b, c = a + places[1, n], a + places[2, n]
-        add_blend(totals, n, share, source, a, b, c, c + places[1, n], shares[0, n], shares[1, n])
+def _place(u, v, step, table, taps, level, out):
+    """Texels and weights of all taps around (u, v) [texels from the first one's centre]."""
+    (start, width, height), (upper, lower, across, down) = level, out
+    kind = type(u)
+    zero, right, bottom, below = kind(0), kind(width - 1), kind(height - 1), np.int32(width)
+    for k in range(taps):
+        i, j = min(max(u + step * table[0, k], zero), right), min(max(v + step * table[1, k], zero), bottom)
+        column, line = np.floor(i), np.floor(j)
+        across[k], down[k] = i - column, j - line
+        upper[k] = np.int32(start) + np.int32(line) * below + np.int32(column)
+        lower[k] = upper[k] + (below if line < bottom else np.int32(0))

@@ -1,7 +1,8 @@
 """Background: rings from outside in; what an inner ring's nearer taps hide of the outer ones is taken away."""
 
 from refdof._jit import inline
-from refdof.methods.filament.lanes import clipped, distances, fetch_pair, light_of, pairs
+from refdof.methods.filament.lanes import distances, fetch_pair
+from refdof.methods.filament.rings import clipped, light_of, pairs
 
 __all__ = ["background"]
 
@@ -22,14 +23,14 @@ def background(source, lanes, count, rings, table, scratch):
         ring = rings - 1 - inward
         first, many = pairs(ring)
         share = scalar(0.5 if ring == 0 else 1.0)
-        distances(lanes, count, table[first, 0], table[first, 1], distance)
+        distances(lanes, count, table[0, first], table[1, first], distance)
         for n in range(count):
             border[n], missed[n] = lanes.apart[n] * (scalar(ring) + scalar(0.5)), scalar(0)
         for k in range(_OWN, 2 * _OWN):
             for n in range(count):
                 sums[k, n] = scalar(0)
         for k in range(first, first + many):
-            fetch_pair(source, lanes, count, table[k, 0], table[k, 1], places, taps)
+            fetch_pair(source, lanes, count, table[0, k], table[1, k], places, taps)
             if inward == 0:
                 _add_outermost(lanes, count, share, taps, distance, sums)
             else:

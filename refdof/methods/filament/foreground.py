@@ -1,7 +1,8 @@
 """Foreground: near taps that reach the pixel, in two layers, of which each pair of taps shares the nearer circle."""
 
 from refdof._jit import inline
-from refdof.methods.filament.lanes import clipped, distances, fetch_pair, light_of, pairs
+from refdof.methods.filament.lanes import distances, fetch_pair
+from refdof.methods.filament.rings import clipped, light_of, pairs
 
 __all__ = ["foreground"]
 
@@ -21,9 +22,9 @@ def foreground(source, lanes, count, rings, table, scratch):
     for ring in range(rings):
         first, many = pairs(ring)
         share = scalar(0.5 if ring == 0 else 1.0)
-        distances(lanes, count, table[first, 0], table[first, 1], distance)
+        distances(lanes, count, table[0, first], table[1, first], distance)
         for k in range(first, first + many):
-            fetch_pair(source, lanes, count, table[k, 0], table[k, 1], places, taps)
+            fetch_pair(source, lanes, count, table[0, k], table[1, k], places, taps)
             _add(lanes, count, share, taps, distance, sums)
     _weigh(lanes, count, rings, sums)
 

@@ -10,7 +10,8 @@ from refdof._jit.texel_lanes import LANES
 from refdof.methods.filament.alike import alike
 from refdof.methods.filament.background import background
 from refdof.methods.filament.foreground import foreground
-from refdof.methods.filament.lanes import MOST_LANES, clipped, lanes_of, place_taps, ring_pairs
+from refdof.methods.filament.lanes import MOST_LANES, lanes_of, place_taps
+from refdof.methods.filament.rings import RING_TAPS, clipped, ring_taps
 
 __all__ = ["ALIKE", "gather"]
 
@@ -27,42 +28,48 @@ def gather(texels, places, least, greatest, moved, most_rings):
     kind = texels.dtype.type
     blurred = np.maximum(np.abs(least), np.abs(greatest)) >= 1
     same = greatest - least <= kind(ALIKE) * np.abs(greatest)
-    reach = np.stack([(np.abs(least) + np.abs(greatest)) * kind(0.5), greatest, -least])
+    circles = np.stack([(np.abs(least) + np.abs(greatest)) * kind(0.5), greatest, -least])
     takes = blurred & np.stack([same, ~same & (greatest > 0), ~same & (least < 0)])
-    rings = np.where(takes, np.minimum(np.ceil(reach * kind(0.5) + kind(0.5)), most_rings), 0).astype(np.int32)
-    return _gather(texels, places.astype(np.int32), reach, rings, moved, most_rings, ring_pairs().astype(texels.dtype))
+    rings = np.where(takes, np.minimum(np.ceil(circles * kind(0.5) + kind(0.5)), most_rings), 0).astype(np.int32)
+    table = ring_taps().astype(texels.dtype)
+    return _gather(texels, places.astype(np.int32), circles, rings, moved, most_rings, table)
 
 
 @kernel
-def _gather(texels, levels, reach, rings, moved, most_rings, table):
-    """reach and rings (3, h / 8, w / 8): circles, and how many rings they take, none where a tile takes no part."""
+def _gather(texels, levels, circles, rings, moved, most_rings, table):
+    """circles and rings (3, h / 8, w / 8): of what is alike, behind and before; no rings where there is nothing."""
     height, width = moved.shape[:2]
     out = np.empty((height, width, 4), dtype=texels.dtype)
     for y in prange(height):
-        whole, numbers = np.empty((6, MOST_LANES), dtype=np.int32), np.empty((34, MOST_LANES), dtype=texels.dtype)
-        totals = np.empty((MOST_LANES, 4), dtype=texels.dtype)
+        whole, numbers = np.empty((5, MOST_LANES), dtype=np.int32), np.empty((32, MOST_LANES), dtype=texels.dtype)
+        places, shares = np.empty((2, RING_TAPS), dtype=np.int32), np.empty((3, RING_TAPS), dtype=texels.dtype)
         picture = borrow(texels), borrow(levels), borrow(table), borrow(moved)[y]
-        buffers = borrow(whole), borrow(numbers), borrow(totals)
-        borrow(out)[y, :, :] = texels.dtype.type(0)
-        for sort in range(3):
-            tiles = borrow(rings)[sort, y // _TILE], borrow(reach)[sort, y // _TILE]
-            for count in range(1, most_rings + 1):
-                _row(picture, tiles, (sort, count, y), buffers, borrow(out)[y])
+        buffers, spare, row = (borrow(whole), borrow(numbers)), (borrow(places), borrow(shares)), borrow(out)[y]
+        row[:, :] = texels.dtype.type(0)
+        for tile in range(width // _TILE):
+            many, pixels = rings[_ALIKE, y // _TILE, tile], (_TILE * tile, _TILE * (tile + 1), y)
+            if many > 0:
+                alike(picture, pixels, circles[_ALIKE, y // _TILE, tile], many, spare, row)
+        for sort in (_BEHIND, _BEFORE):
+            tiles = borrow(rings)[sort, y // _TILE], borrow(circles)[sort, y // _TILE]
+            for many in range(1, most_rings + 1):
+                _layer(picture, tiles, (sort, many, y), buffers, row)
     return out
 
 
 @inline
-def _row(picture, tiles, work, buffers, row):
-    """One row's tiles that take a number of rings for one sort of gather."""
+def _layer(picture, tiles, work, buffers, row):
+    """Background or foreground of a row's tiles that take so many rings."""
     source, levels, table, moved = picture
-    (rings, reach), (sort, many, y), (whole, numbers, totals) = tiles, work, buffers
-    lanes, one = lanes_of(whole[:3], numbers[:11]), source.dtype.type(1)
-    count = 0
+    (rings, circles), (sort, many, y), (whole, numbers) = tiles, work, buffers
+    lanes, sums = lanes_of(whole[:3], numbers[:11]), numbers[19:29]
+    scratch = whole[3:], numbers[11:19], sums, numbers[29], numbers[30], numbers[31]
+    own, count = source[y * levels[1, 0] :, 3], 0
     for tile in range(len(rings)):
         if rings[tile] == many:
             for x in range(_TILE * tile, _TILE * (tile + 1)):
-                circle = abs(source[y * levels[1, 0] + x, 3]) if sort == _BEHIND else reach[tile]
-                if sort != _BEHIND or circle > one:
+                circle = abs(own[x]) if sort == _BEHIND else circles[tile]
+                if sort == _BEFORE or circle > source.dtype.type(1):
                     lanes.column[count], lanes.circle[count] = x, circle
                     count += 1
         if count > 0 and (count > MOST_LANES - _TILE or tile == len(rings) - 1):
@@ -70,31 +77,23 @@ def _row(picture, tiles, work, buffers, row):
             for n in range(count, full):
                 lanes.column[n], lanes.circle[n] = lanes.column[count - 1], lanes.circle[count - 1]
             place_taps(lanes, full, many, y, moved, levels)
-            sums = numbers[11:21]
-            if sort == _ALIKE:
-                alike(source, lanes, full, many, table, (whole[3:], numbers[21:], totals, sums))
+            if sort == _BEHIND:
+                background(source, lanes, full, many, table, scratch)
             else:
-                scratch = whole[3:], numbers[24:32], sums, numbers[21], numbers[22], numbers[23]
-                if sort == _BEHIND:
-                    background(source, lanes, full, many, table, scratch)
-                else:
-                    foreground(source, lanes, full, many, table, scratch)
-                    _fill(source[y * levels[1, 0] :], lanes, count, row, sums)
-            for n in range(count):
-                rest = one - sums[3, n] if sort == _BEFORE else source.dtype.type(0)
-                for c in range(4):
-                    row[lanes.column[n], c] = sums[c, n] + rest * row[lanes.column[n], c]
+                foreground(source, lanes, full, many, table, scratch)
+            _lay(own, lanes, count, sort == _BEFORE, sums, row)
             count = 0
 
 
 @inline
-def _fill(texels, lanes, count, row, sums):
-    """Where nothing is behind, the foreground covers as much as the pixel's own circle says, at least."""
+def _lay(own, lanes, count, before, sums, row):
+    """Lay the layer in sums over row; where nothing is behind, it covers as much as the pixel's circle says, at least.
+    """
     zero, one = sums.dtype.type(0), sums.dtype.type(1)
     for n in range(count):
-        alpha = sums[3, n]
-        if zero < alpha < one and row[lanes.column[n], 3] == zero:
-            more = max(alpha, clipped(abs(texels[lanes.column[n], 3]) - one))
-            for c in range(3):
-                sums[c, n] *= more / alpha
-            sums[3, n] = more
+        x, alpha, scale = lanes.column[n], sums[3, n], one
+        if before and zero < alpha < one and row[x, 3] == zero:
+            scale = max(alpha, clipped(abs(own[x]) - one)) / alpha
+        rest = one - alpha * scale
+        for c in range(4):
+            row[x, c] = sums[c, n] * scale + rest * row[x, c]

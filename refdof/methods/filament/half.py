@@ -20,6 +20,8 @@ _SHAPE = 2 * TILE  # pixels: sides are filled up to whole tiles
 class Half(NamedTuple):
     """Levels of colour and circle in one array, (T, 4), each of which begins at `starts` and is `widths` wide.
 
+    After the last one there is a texel more, as `add_reads` asks for.
+
     tiles : least and greatest circle of tiles and of two rings of tiles around
     """
 
@@ -40,7 +42,7 @@ def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     height, width = (-(-side // _SHAPE) * TILE for side in coc.shape)
     heights, widths = (np.array([side >> level for level in range(LEVELS)]) for side in (height, width))
     starts = np.concatenate([[0], np.cumsum(heights * widths)])
-    texels = np.empty((starts[-1], 4), dtype=color.dtype)
+    texels = np.zeros((starts[-1] + 1, 4), dtype=color.dtype)
     places = zip(starts, starts[1:], heights, widths, strict=False)
     levels = [texels[start:end].reshape(rows, columns, 4) for start, end, rows, columns in places]
     _halve(color, coc, coc.dtype.type(largest_px), levels[0])

@@ -40,7 +40,7 @@ from refdof.methods._image_validation import as_images, within
 from refdof.methods.filament.combine import BLURRED_ALONE, NOT_BLURRED, OVER, combined
 from refdof.methods.filament.gather import ALIKE, gather
 from refdof.methods.filament.half import TILE, Half, half_of, noise
-from refdof.methods.filament.lanes import MOST_RINGS
+from refdof.methods.filament.rings import MOST_RINGS
 from refdof.raster.filters.median import median
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
