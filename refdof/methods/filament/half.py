@@ -1,7 +1,6 @@
 """Half: colour and nearest circle at half the size, their mip levels, tiles, and the noise of the taps."""
 
 from functools import lru_cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -42,53 +41,72 @@ def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     height, width = (-(-side // _SHAPE) * TILE for side in coc.shape)
     heights, widths = (np.array([side >> level for level in range(LEVELS)]) for side in (height, width))
     starts = np.concatenate([[0], np.cumsum(heights * widths)])
-    texels = np.zeros((starts[-1] + 1, 4), dtype=color.dtype)
-    places = zip(starts, starts[1:], heights, widths, strict=False)
-    levels = [texels[start:end].reshape(rows, columns, 4) for start, end, rows, columns in places]
-    _halve(color, coc, coc.dtype.type(largest_px), levels[0])
-    for finer, coarser in pairwise(levels):
-        _coarsen(finer, coarser)
-    return Half(texels, starts, widths, heights, tiles_of(levels[0][..., 3], TILE).dilated(2))
+    texels = np.empty((starts[-1] + 1, 4), dtype=color.dtype)
+    texels[-1] = 0
+    _fill(color.reshape(len(color), -1), coc, coc.dtype.type(largest_px), starts, widths, texels.reshape(-1))
+    half = Half(texels, starts, widths, heights, Tiles(coc, coc))
+    return half._replace(tiles=tiles_of(half.finest[..., 3], TILE).dilated(2))
 
 
 @kernel
-def _halve(color, coc, largest, out):
-    """Weighted means of four colours, and their nearest circle, 0 below a pixel: out (h, w, 4)."""
-    one, last_row, last_column = color.dtype.type(1), coc.shape[0] - 1, coc.shape[1] - 1
-    for y in prange(len(out)):
-        rows = min(2 * y, last_row), min(2 * y + 1, last_row)
-        upper, lower = borrow(color)[rows[0]], borrow(color)[rows[1]]
-        above, below, row = borrow(coc)[rows[0]], borrow(coc)[rows[1]], borrow(out)[y]
-        for x in range(len(row)):
-            left, right = min(2 * x, last_column), min(2 * x + 1, last_column)
-            a, b, c, d = _light(upper[left]), _light(upper[right]), _light(lower[left]), _light(lower[right])
-            whole = one / (a + b + c + d)
-            for k in range(3):
-                total = a * upper[left, k] + b * upper[right, k] + c * lower[left, k] + d * lower[right, k]
-                row[x, k] = total * whole
-            nearest = min(min(above[left], above[right]), min(below[left], below[right]))
-            nearest = max(min(nearest, largest), -largest)
-            row[x, 3] = nearest if abs(nearest) >= one else color.dtype.type(0)
+def _fill(color, coc, largest, starts, widths, texels):
+    """All levels of color (H, 3 W) and coc (H, W), tiles by tiles of half the size: texels (4 T)."""
+    last, columns = coc.shape[0] - 1, widths[0]
+    for tile in prange((starts[1] - starts[0]) // (columns * TILE)):
+        planes, out = borrow(np.empty((5, 2 * columns), dtype=color.dtype)), borrow(texels)
+        for y in range(TILE * tile, TILE * (tile + 1)):
+            for row in (2 * y, 2 * y + 1):
+                _weigh(borrow(color)[min(row, last)], borrow(coc)[min(row, last)], row % 2 == 0, planes)
+            _halve(planes, largest, out[4 * y * columns : 4 * (y + 1) * columns])
+        for level in range(1, LEVELS):
+            for y in range((TILE * tile) >> level, (TILE * (tile + 1)) >> level):
+                width, finer = widths[level], 4 * (starts[level - 1] + 2 * y * widths[level - 1])
+                upper, lower = out[finer : finer + 8 * width], out[finer + 8 * width : finer + 16 * width]
+                start = 4 * (starts[level] + y * width)
+                _coarsen(upper, lower, out[start : start + 4 * width])
 
 
 @inline
-def _light(texel):
-    """The weight of a colour: less of a bright one."""
-    one = type(texel[0])(1)
-    return one / (one + max(max(texel[0], texel[1]), max(texel[2], one - one)))
+def _weigh(color, coc, first, out):
+    """Weighted colours, weights and circles of a row of pixels, with another's: out (5, 2 w). Bright ones weigh less."""
+    kind, width = out.dtype.type, len(coc)
+    zero, one = kind(0), kind(1)
+    for x in range(width):
+        red, green, blue = color[3 * x], color[3 * x + 1], color[3 * x + 2]
+        weight = one / (one + max(max(red, green), max(blue, zero)))
+        out[0, x] = weight * red if first else out[0, x] + weight * red
+        out[1, x] = weight * green if first else out[1, x] + weight * green
+        out[2, x] = weight * blue if first else out[2, x] + weight * blue
+        out[3, x] = weight if first else out[3, x] + weight
+        out[4, x] = coc[x] if first else min(out[4, x], coc[x])
+    for x in range(width, out.shape[1]):
+        for k in range(5):
+            out[k, x] = out[k, width - 1]
 
 
-@kernel
-def _coarsen(finer, out):
-    """The next mip level (h, w, 4) of (2 h, 2 w, 4): mean colours, nearest circles."""
-    quarter = finer.dtype.type(0.25)
-    for y in prange(len(out)):
-        row, upper, lower = borrow(out)[y], borrow(finer)[2 * y], borrow(finer)[2 * y + 1]
-        for x in range(len(row)):
-            i = 2 * x
-            for c in range(3):
-                row[x, c] = ((upper[i, c] + upper[i + 1, c]) + (lower[i, c] + lower[i + 1, c])) * quarter
-            row[x, 3] = min(min(upper[i, 3], upper[i + 1, 3]), min(lower[i, 3], lower[i + 1, 3]))
+@inline
+def _halve(planes, largest, out):
+    """Weighted means of four colours, and their nearest circle, 0 below a pixel: out (4 w)."""
+    zero, one = out.dtype.type(0), out.dtype.type(1)
+    for x in range(len(out) // 4):
+        left, right = 2 * x, 2 * x + 1
+        whole = one / (planes[3, left] + planes[3, right])
+        out[4 * x] = (planes[0, left] + planes[0, right]) * whole
+        out[4 * x + 1] = (planes[1, left] + planes[1, right]) * whole
+        out[4 * x + 2] = (planes[2, left] + planes[2, right]) * whole
+        nearest = max(min(min(planes[4, left], planes[4, right]), largest), -largest)
+        out[4 * x + 3] = nearest if abs(nearest) >= one else zero
+
+
+@inline
+def _coarsen(upper, lower, out):
+    """The next level of two rows: mean colours, nearest circles."""
+    quarter = out.dtype.type(0.25)
+    for x in range(len(out) // 4):
+        for c in range(4):
+            i = 8 * x + c
+            a, b, d, e = upper[i], upper[i + 4], lower[i], lower[i + 4]
+            out[4 * x + c] = ((a + b) + (d + e)) * quarter if c < 3 else min(min(a, b), min(d, e))
 
 
 @lru_cache(maxsize=2)
