@@ -6,6 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from refdof._check import Float
+from refdof._jit import borrow, kernel, prange
 
 __all__ = ["Tiles", "tiles_of"]
 
@@ -27,8 +28,25 @@ class Tiles(NamedTuple):
 
 def tiles_of(values: Float, side: int) -> Tiles:
     """Tiles of `side` x `side` pixels of values (H, W)."""
-    rows, columns = (np.arange(0, n, side) for n in values.shape)
-    least, greatest = (
-        reduce(reduce(values, rows, axis=0), columns, axis=1) for reduce in (np.minimum.reduceat, np.maximum.reduceat)
-    )
-    return Tiles(least, greatest)
+    shape = tuple(-(-n // side) for n in values.shape)
+    tiles = Tiles(np.empty(shape, dtype=values.dtype), np.empty(shape, dtype=values.dtype))
+    _reduce(values, side, *tiles)
+    return tiles
+
+
+@kernel
+def _reduce(values, side, least, greatest):
+    """Fill least and greatest: first each column of a row of tiles, then the columns of a tile."""
+    height, width = values.shape
+    for j in prange(len(least)):
+        low, high = np.empty(width, dtype=values.dtype), np.empty(width, dtype=values.dtype)
+        low[:], high[:] = values[j * side], values[j * side]
+        for y in range(j * side + 1, min((j + 1) * side, height)):
+            row = borrow(values)[y]
+            for x in range(width):
+                low[x], high[x] = min(low[x], row[x]), max(high[x], row[x])
+        for i in range(least.shape[1]):
+            lowest, highest = low[i * side], high[i * side]
+            for x in range(i * side + 1, min((i + 1) * side, width)):
+                lowest, highest = min(lowest, low[x]), max(highest, high[x])
+            least[j, i], greatest[j, i] = lowest, highest
