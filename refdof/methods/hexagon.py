@@ -216,12 +216,12 @@ def _first_pass(picture, steps, one, two, equal):
         c, y = job // height, job % height
         means = borrow(np.empty((2, steps.shape[1]), dtype=picture.dtype))
         _means(borrow(picture)[c], borrow(picture)[c], y, borrow(steps)[y], (one, two), equal, means)
-        row, other = borrow(first)[c, y], borrow(both)[c, y]
+        row, other = borrow(first)[c, y, border:], borrow(both)[c, y, border:]
         for x in range(steps.shape[1]):
-            row[border + x] = means[0, x]
-            other[border + x] = (means[0, x] + means[1, x]) * share
-        _repeat_ends(row, border)
-        _repeat_ends(other, border)
+            row[x] = means[0, x]
+            other[x] = (means[0, x] + means[1, x]) * share
+        _repeat_ends(borrow(first)[c, y], border)
+        _repeat_ends(borrow(both)[c, y], border)
     return first, both
 
 
@@ -260,29 +260,27 @@ def _mean(plane, y, start, steps, reads, equal, out):
 
     start is the first pixel's column. Rows and columns that a read lies on are not blended with those beside them.
     """
-    scalar, last = plane.dtype.type, len(plane) - 1
-    more, most = np.int32(0 if equal else 1), np.int32(0)
+    scalar, last, own = plane.dtype.type, len(plane) - 1, plane[y, start:]
+    first, most = 0 if equal else 1, np.int32(0)
     for x in range(len(out)):
-        out[x] = scalar(0)
+        out[x] = scalar(0) if equal and steps[x] > 0 else own[x]
         most = max(most, steps[x])
-    for k in range(most + more):
-        row, column = y + reads.rows[k], start + reads.columns[k]
+    for k in range(first, most + first):
+        row, column, before = y + reads.rows[k], start + reads.columns[k], np.int32(k - first)
         upper, lower = plane[min(max(row, 0), last), column:], plane[min(max(row + 1, 0), last), column:]
-        across, down, step = reads.across[k], reads.down[k], np.int32(k)
+        across, down = reads.across[k], reads.down[k]
         if down == scalar(0) and across == scalar(0):
             for x in range(len(out)):
-                out[x] += upper[x] if step < steps[x] + more else scalar(0)
+                out[x] += upper[x] if steps[x] > before else scalar(0)
         elif down == scalar(0):
             for x in range(len(out)):
                 value = upper[x] + (upper[x + 1] - upper[x]) * across
-                out[x] += value if step < steps[x] + more else scalar(0)
+                out[x] += value if steps[x] > before else scalar(0)
         else:
             for x in range(len(out)):
                 a = upper[x] + (upper[x + 1] - upper[x]) * across
                 b = lower[x] + (lower[x + 1] - lower[x]) * across
                 value = a + (b - a) * down
-                out[x] += value if step < steps[x] + more else scalar(0)
-    own = plane[y, start:]
+                out[x] += value if steps[x] > before else scalar(0)
     for x in range(len(out)):
-        count = steps[x] + more
-        out[x] = out[x] / scalar(count) if count > 0 else own[x]
+        out[x] /= max(scalar(steps[x]) + scalar(first), scalar(1))
