@@ -1,9 +1,13 @@
-"""How the suite runs: hypothesis profiles, and a browser."""
+"""How the suite runs: threads, hypothesis profiles, and a browser."""
 
 import os
 
 import pytest
 from hypothesis import settings
+
+# Pytest's workers share processors. OpenMP's threads, which wait for more work by counting, took more than half of the
+# time of all of them; now they sleep. OpenMP reads this when Numba first runs a parallel loop.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 settings.register_profile("default", deadline=None, max_examples=50)
 settings.register_profile("ci", deadline=None, max_examples=100, derandomize=True)
