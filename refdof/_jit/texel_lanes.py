@@ -29,7 +29,9 @@ def _fetch_lanes(typingctx: Any, texels: Any, places: Any, n: Any, planes: Any) 
     signature = types.void(texels, places, n, planes)
 
     def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        base, start = (context.make_array(t)(context, builder, arguments[k]).data for k, t in ((0, texels), (1, places)))
+        base, start = (
+            context.make_array(t)(context, builder, arguments[k]).data for k, t in ((0, texels), (1, places))
+        )
         target = context.make_array(planes)(context, builder, arguments[3])
         found = [load(builder, base, _lane(builder, start, arguments[2], lane), 4) for lane in range(LANES)]
         # Texels k and k + 4 in one register, then channels side by side.
@@ -59,16 +61,15 @@ def _add_reads(
         )
         target = context.make_array(sums)(context, builder, arguments[6]).data
         # Two neighbours in one register; of their sums with and without `across`, the blend is made in the end.
-        plain = weighed = None
+        plain: Any = None
+        weighed: Any = None
         for lane in range(LANES):
             top, bottom = (load(builder, base, _lane(builder, at, arguments[5], lane), 8) for at in (above, below))
             w, h = (spread(builder, _lane(builder, at, arguments[5], lane), 8) for at in (right, under))
             both = plain_lerp(builder, top, bottom, h)
             share = builder.fmul(both, w)
-            plain, weighed = (
-                value if total is None else builder.fadd(total, value)
-                for total, value in ((plain, both), (weighed, share))
-            )
+            plain = both if lane == 0 else builder.fadd(plain, both)
+            weighed = share if lane == 0 else builder.fadd(weighed, share)
         first, second = (pick(builder, weighed, weighed, lanes) for lanes in ([0, 1, 2, 3], [4, 5, 6, 7]))
         total = builder.fadd(pick(builder, plain, plain, [0, 1, 2, 3]), builder.fsub(second, first))
         store(builder, builder.fadd(load(builder, target, arguments[7], 4), total), target, arguments[7])
@@ -87,9 +88,7 @@ def _fetch_interpreted(texels: Any, places: Any, n: int, planes: Any) -> None:
     planes[:4, n : n + LANES] = texels[places[n : n + LANES]].T
 
 
-def _reads_interpreted(
-    texels: Any, upper: Any, lower: Any, across: Any, down: Any, n: int, sums: Any, k: int
-) -> None:
+def _reads_interpreted(texels: Any, upper: Any, lower: Any, across: Any, down: Any, n: int, sums: Any, k: int) -> None:
     here = np.s_[n : n + LANES]
     first, second = (
         texels[upper[here] + beside] + (texels[lower[here] + beside] - texels[upper[here] + beside]) * down[here, None]

@@ -17,11 +17,11 @@ __all__ = ["alike"]
 def alike(picture, pixels, circle, rings, scratch, row):
     """Write colours times alpha, and alpha, of pixels x = begin .. end of row y, whose rings are alike, to row (w, 4).
 
-    scratch: (2, 80) int32, and (3, 80).
+    scratch: (2, 80) int32, (2, 80), and (1, 4).
     """
     (source, levels, table, moved), (begin, end, y), kind = picture, pixels, picture[0].dtype.type
-    upper, lower, across, down = scratch[0][0], scratch[0][1], scratch[1][0], scratch[1][1]
-    sums = scratch[1][2:]
+    places, shares, sums = scratch
+    upper, lower, across, down = places[0], places[1], shares[0], shares[1]
     half, taps, apart = kind(0.5), 4 * rings * (rings - 1), circle / (kind(rings) - kind(0.5))
     level = level_of(apart)
     start, width, height = levels[0, level], levels[1, level], levels[2, level]

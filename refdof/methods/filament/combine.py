@@ -21,7 +21,8 @@ def combined(color, soft, tiles, side):
     height, width = color.shape[:2]
     rows, columns = soft.shape[:2]
     out = np.empty_like(color)
-    texels, sharp, pixels = soft.reshape(rows, 4 * columns), color.reshape(height, 3 * width), out.reshape(height, 3 * width)
+    texels, sharp = soft.reshape(rows, 4 * columns), color.reshape(height, 3 * width)
+    pixels = out.reshape(height, 3 * width)
     for y in prange(height):
         narrow, wide = np.empty((4, columns + 2), dtype=color.dtype), np.empty((4, 2 * columns), dtype=color.dtype)
         first, second = max((y + 1) // 2 - 1, 0), min((y + 1) // 2, rows - 1)

@@ -10,13 +10,13 @@ from refdof._jit.texel_lanes import LANES
 from refdof.methods.filament.alike import alike
 from refdof.methods.filament.background import background
 from refdof.methods.filament.foreground import foreground
+from refdof.methods.filament.half import TILE
 from refdof.methods.filament.lanes import MOST_LANES, lanes_of, place_taps
 from refdof.methods.filament.rings import RING_TAPS, clipped, ring_taps
 
 __all__ = ["ALIKE", "gather"]
 
 ALIKE = 0.05  # of the greatest circle
-_TILE = 8
 _ALIKE, _BEHIND, _BEFORE = range(3)
 
 
@@ -42,16 +42,18 @@ def _gather(texels, levels, circles, rings, moved, most_rings, table):
     out = np.empty((height, width, 4), dtype=texels.dtype)
     for y in prange(height):
         whole, numbers = np.empty((5, MOST_LANES), dtype=np.int32), np.empty((32, MOST_LANES), dtype=texels.dtype)
-        places, shares = np.empty((2, RING_TAPS), dtype=np.int32), np.empty((3, RING_TAPS), dtype=texels.dtype)
+        places, shares = np.empty((2, RING_TAPS), dtype=np.int32), np.empty((2, RING_TAPS), dtype=texels.dtype)
         picture = borrow(texels), borrow(levels), borrow(table), borrow(moved)[y]
-        buffers, spare, row = (borrow(whole), borrow(numbers)), (borrow(places), borrow(shares)), borrow(out)[y]
+        sums = np.empty((1, 4), dtype=texels.dtype)
+        buffers, row = (borrow(whole), borrow(numbers)), borrow(out)[y]
+        spare = borrow(places), borrow(shares), borrow(sums)
         row[:, :] = texels.dtype.type(0)
-        for tile in range(width // _TILE):
-            many, pixels = rings[_ALIKE, y // _TILE, tile], (_TILE * tile, _TILE * (tile + 1), y)
+        for tile in range(width // TILE):
+            many, pixels = rings[_ALIKE, y // TILE, tile], (TILE * tile, TILE * (tile + 1), y)
             if many > 0:
-                alike(picture, pixels, circles[_ALIKE, y // _TILE, tile], many, spare, row)
+                alike(picture, pixels, circles[_ALIKE, y // TILE, tile], many, spare, row)
         for sort in (_BEHIND, _BEFORE):
-            tiles = borrow(rings)[sort, y // _TILE], borrow(circles)[sort, y // _TILE]
+            tiles = borrow(rings)[sort, y // TILE], borrow(circles)[sort, y // TILE]
             for many in range(1, most_rings + 1):
                 _layer(picture, tiles, (sort, many, y), buffers, row)
     return out
@@ -67,12 +69,12 @@ def _layer(picture, tiles, work, buffers, row):
     own, count = source[y * levels[1, 0] :, 3], 0
     for tile in range(len(rings)):
         if rings[tile] == many:
-            for x in range(_TILE * tile, _TILE * (tile + 1)):
+            for x in range(TILE * tile, TILE * (tile + 1)):
                 circle = abs(own[x]) if sort == _BEHIND else circles[tile]
                 if sort == _BEFORE or circle > source.dtype.type(1):
                     lanes.column[count], lanes.circle[count] = x, circle
                     count += 1
-        if count > 0 and (count > MOST_LANES - _TILE or tile == len(rings) - 1):
+        if count > 0 and (count > MOST_LANES - TILE or tile == len(rings) - 1):
             full = -(-count // LANES) * LANES
             for n in range(count, full):
                 lanes.column[n], lanes.circle[n] = lanes.column[count - 1], lanes.circle[count - 1]
@@ -87,8 +89,7 @@ def _layer(picture, tiles, work, buffers, row):
 
 @inline
 def _lay(own, lanes, count, before, sums, row):
-    """Lay the layer in sums over row; where nothing is behind, it covers as much as the pixel's circle says, at least.
-    """
+    """Lay sums over row. Where nothing is behind, near ones cover as much as the pixel's circle says, at least."""
     zero, one = sums.dtype.type(0), sums.dtype.type(1)
     for n in range(count):
         x, alpha, scale = lanes.column[n], sums[3, n], one

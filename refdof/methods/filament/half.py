@@ -44,8 +44,8 @@ def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     texels = np.empty((starts[-1] + 1, 4), dtype=color.dtype)
     texels[-1] = 0
     _fill(color.reshape(len(color), -1), coc, coc.dtype.type(largest_px), starts, widths, texels.reshape(-1))
-    half = Half(texels, starts, widths, heights, Tiles(coc, coc))
-    return half._replace(tiles=tiles_of(half.finest[..., 3], TILE).dilated(2))
+    circles = texels[: starts[1], 3].reshape(height, width)
+    return Half(texels, starts, widths, heights, tiles_of(circles, TILE).dilated(2))
 
 
 @kernel
@@ -68,7 +68,7 @@ def _fill(color, coc, largest, starts, widths, texels):
 
 @inline
 def _weigh(color, coc, first, out):
-    """Weighted colours, weights and circles of a row of pixels, with another's: out (5, 2 w). Bright ones weigh less."""
+    """Weighted colours, weights and circles of two rows of pixels, one by one: out (5, 2 w). Bright ones weigh less."""
     kind, width = out.dtype.type, len(coc)
     zero, one = kind(0), kind(1)
     for x in range(width):

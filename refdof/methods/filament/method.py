@@ -3,9 +3,9 @@ Google's Filament.
 
 1. Halve the picture, bright colours less; the nearest of four circles; mip levels of both             `half.half_of`
 2. Least and greatest circle of tiles of 8 texels, and of two tiles around                             `half.half_of`
-3. Where all circles are alike, the mean of rings of taps                                         `gather._alike`
-4. Else background: rings from outside in, of which nearer taps hide the outer ones               `gather._background`
-5. and foreground: near taps in two layers, over the background                                   `gather._foreground`
+3. Where all circles are alike, the mean of rings of taps                                           `alike.alike`
+4. Else background: rings from outside in, of which nearer taps hide the outer ones            `background.background`
+5. and foreground: near taps in two layers, over the background                                `foreground.foreground`
 6. Median of nine                                                            `refdof.raster.filters.median`
 7. Over the sharp picture, by alpha                                                          `combine.combined`
 
