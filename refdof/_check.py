@@ -77,11 +77,9 @@ def as_float(
         with np.errstate(over="ignore"):  # long doubles
             array = array.astype(np.float64)
     wanted = np.dtype(dtype) if dtype is not None else array.dtype
-    with np.errstate(over="ignore", invalid="ignore"):
-        suspicious = (finite or not nan) and not np.isfinite(
-            array.sum()
-        )  # as it is if a value is not finite: one quick pass
-    if suspicious:
+    with np.errstate(invalid="ignore"):
+        lowest, highest = (array.min(), array.max()) if array.size else (0.0, 0.0)
+    if (finite or not nan) and not (np.isfinite(lowest) and np.isfinite(highest)):  # NaN is the least and the greatest
         if not nan and np.isnan(array).any():
             raise InputError(f"{name}: has {int(np.isnan(array).sum())} NaN values; none are allowed")
         if finite and np.isinf(array).any():
@@ -89,10 +87,10 @@ def as_float(
     if maximum is None and finite and wanted.itemsize < array.dtype.itemsize:
         maximum = float(np.finfo(wanted).max)
         minimum = -maximum if minimum is None else minimum
-    if minimum is not None and array.size and float(array.min()) < minimum:
-        raise InputError(f"{name}: smallest value is {array.min():g}; allowed are values >= {minimum:g}")
-    if maximum is not None and array.size and float(array.max()) > maximum:
-        raise InputError(f"{name}: largest value is {array.max():g}; allowed are values <= {maximum:g}")
+    if minimum is not None and array.size and float(lowest) < minimum:
+        raise InputError(f"{name}: smallest value is {lowest:g}; allowed are values >= {minimum:g}")
+    if maximum is not None and array.size and float(highest) > maximum:
+        raise InputError(f"{name}: largest value is {highest:g}; allowed are values <= {maximum:g}")
     with np.errstate(over="ignore"):  # where infinities are allowed, what is too large becomes one
         return np.asarray(array, dtype=wanted, order="C")  # keeps a single number's shape ()
 

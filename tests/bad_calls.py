@@ -778,6 +778,8 @@ INNER_MODULES = {
     "cluster.by_dask", "cluster.build", "cluster.completed", "truth.tile_tasks",
     "truth.error_bar", "truth.lens_rays", "truth.emitters", "truth.tile_sampler",
     "methods.circular.coefficients", "methods.circular.passes", "methods.filament.gather", "methods.filament.half",
+    "methods.filament.alike", "methods.filament.background", "methods.filament.combine", "methods.filament.foreground",
+    "methods.filament.lanes", "methods.filament.rings",
     "methods.halfres.circles", "methods.halfres.gather", "methods.ringgather.gather",
     "methods.ringgather.prefilter", "methods.ringgather.upsample",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",

@@ -1,6 +1,6 @@
 """Hexagon: means along three directions, two of them in one pass, make a hexagon of three rhombi; as in Bevy.
 
-1. Turn circles of confusion into a number of steps                              `_steps`
+1. Turn circles of confusion into a number of steps                              `_planes`
 2. Mean of the picture downwards, and of it up to the right; keep the first,
    and the mean of both                                                          `_first_pass`
 3. Mean of the first up to the right, and of the other up to the left; the
@@ -39,6 +39,7 @@ from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
+_RUN = 128  # pixels that take as many reads as the largest circle among them
 _RIGHT, _UP = math.cos(math.radians(30.0)), -0.5  # up to the right, y down; up to the left is (-_RIGHT, _UP)
 
 
@@ -142,26 +143,20 @@ def blur(
 
 def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
-    steps, equal = _steps(coc, params.largest_px), params.rhombi == "equal"
-    longest = int(steps.max())
+    equal, largest = params.rhombi == "equal", coc.dtype.type(params.largest_px)
+    longest = int(np.rint(min(max(-coc.min(), coc.max()), largest)))
     down, right, left = (
         _reads(x, y, longest, equal, color.dtype) for x, y in ((0.0, 1.0), (_RIGHT, _UP), (-_RIGHT, _UP))
     )
-    picture = _padded(np.moveaxis(color, 2, 0), longest)
-    first, second = _means(picture, picture, steps, down, right, equal)
-    both = (first + second) * color.dtype.type(1.0 if equal else 0.5)
+    picture, steps = _planes(color.reshape(len(color), -1), coc, largest, longest + 1)
+    first, both = _first_pass(picture, steps, down, right, equal)
+    image = _second_pass(first, both, steps, right, left, equal).reshape(color.shape)
+    inside = np.s_[:, :, longest + 1 : longest + 1 + color.shape[1]]
     recorder.record("coc", lambda: coc)
     recorder.record("steps", lambda: steps)
-    recorder.record("down", lambda: np.moveaxis(first, 0, 2))
-    recorder.record("both", lambda: np.moveaxis(both, 0, 2))
-    first, second = _means(_padded(first, longest), _padded(both, longest), steps, right, left, equal)
-    image = (first + second) * color.dtype.type(1.0 / 3.0 if equal else 0.5)
-    return np.ascontiguousarray(np.moveaxis(image, 0, 2))
-
-
-def _steps(coc: Float, largest_px: float) -> Index:
-    """Half the diameter of each circle, cut, as a whole number of steps: (H, W) int32."""
-    return np.rint(np.minimum(np.abs(coc), coc.dtype.type(largest_px))).astype(np.int32)
+    recorder.record("down", lambda: np.moveaxis(first[inside], 0, 2))
+    recorder.record("both", lambda: np.moveaxis(both[inside], 0, 2))
+    return image
 
 
 class _Reads(NamedTuple):
@@ -184,45 +179,108 @@ def _reads(x: float, y: float, longest: int, equal: bool, dtype: Any) -> _Reads:
     return _Reads(columns.astype(np.int64), rows.astype(np.int64), *weights)
 
 
-def _padded(planes: Float, border: int) -> Float:
-    """Planes (3, H, W) with their edges repeated, and one texel more, which bilinear reads touch."""
-    return np.pad(planes, ((0, 0), (border + 1, border + 1), (border + 1, border + 1)), "edge")
+@kernel
+def _planes(color, coc, largest, border):
+    """Planes (3, H, W + 2 border) of color (H, 3 W), whose rows' ends are repeated; and steps (H, W) int32.
+
+    Steps are half the diameter of each circle, cut, as a whole number.
+    """
+    height, width = coc.shape
+    out, steps = np.empty((3, height, width + 2 * border), dtype=color.dtype), np.empty((height, width), np.int32)
+    for y in prange(height):
+        source, circles, planes, row = borrow(color)[y], borrow(coc)[y], borrow(out)[:, y], borrow(steps)[y]
+        red, green, blue = planes[0][border:], planes[1][border:], planes[2][border:]
+        for x in range(width):
+            red[x], green[x], blue[x] = source[3 * x], source[3 * x + 1], source[3 * x + 2]
+            row[x] = np.int32(np.rint(min(abs(circles[x]), largest)))
+        for c in range(3):
+            _repeat_ends(planes[c], border)
+    return out, steps
 
 
-def _means(first: Float, second: Float, steps: Index, one: _Reads, two: _Reads, equal: bool) -> tuple[Float, Float]:
-    """Means of two padded pictures, each along its direction: (3, H, W) each."""
-    return _mean(first, steps, one, equal), _mean(second, steps, two, equal)
+@inline
+def _repeat_ends(row, border):
+    """Fill a row's first and last `border` texels."""
+    last = len(row) - border - 1
+    for x in range(border):
+        row[x], row[last + 1 + x] = row[border], row[last]
 
 
 @kernel
-def _mean(padded, steps, reads, equal):
-    """Mean along a direction of each pixel's own number of reads: (3, H, W)."""
-    height, width = steps.shape
-    border = (padded.shape[1] - height) // 2
-    out = np.empty((3, height, width), dtype=padded.dtype)
+def _first_pass(picture, steps, one, two, equal):
+    """Means of a picture along a direction, and of them and those along another: planes as the picture's."""
+    _, height, length = picture.shape
+    border, share = (length - steps.shape[1]) // 2, picture.dtype.type(1.0 if equal else 0.5)
+    first, both = np.empty_like(picture), np.empty_like(picture)
     for job in prange(3 * height):
-        plane, y = job // height, job % height
-        _mean_row(borrow(padded)[plane], (border, y), borrow(steps)[y], reads, equal, borrow(out)[plane, y])
+        c, y = job // height, job % height
+        means = borrow(np.empty((2, steps.shape[1]), dtype=picture.dtype))
+        _means(borrow(picture)[c], borrow(picture)[c], y, borrow(steps)[y], (one, two), equal, means)
+        row, other = borrow(first)[c, y, border:], borrow(both)[c, y, border:]
+        for x in range(steps.shape[1]):
+            row[x] = means[0, x]
+            other[x] = (means[0, x] + means[1, x]) * share
+        _repeat_ends(borrow(first)[c, y], border)
+        _repeat_ends(borrow(both)[c, y], border)
+    return first, both
+
+
+@kernel
+def _second_pass(first, both, steps, one, two, equal):
+    """Means of two pictures, each along its direction, and the mean of these: (H, 3 W)."""
+    height, width = steps.shape
+    share = first.dtype.type(1.0 / 3.0 if equal else 0.5)
+    out = np.empty((height, 3 * width), dtype=first.dtype)
+    for y in prange(height):
+        means, row = borrow(np.empty((6, width), dtype=first.dtype)), borrow(out)[y]
+        for c in range(3):
+            planes = borrow(first)[c], borrow(both)[c]
+            _means(planes[0], planes[1], y, borrow(steps)[y], (one, two), equal, means[2 * c : 2 * c + 2])
+        for x in range(width):
+            row[3 * x] = (means[0, x] + means[1, x]) * share
+            row[3 * x + 1] = (means[2, x] + means[3, x]) * share
+            row[3 * x + 2] = (means[4, x] + means[5, x]) * share
     return out
 
 
 @inline
-def _mean_row(texels, place, steps, reads, equal, out):
-    """`_mean` of one row of one plane: reads outside, pixels inside, where loops vectorise."""
-    scalar, (border, y) = texels.dtype.type, place
-    more, most = np.int32(0 if equal else 1), np.int32(0)
+def _means(first, second, y, steps, directions, equal, out):
+    """Means of row y of two planes, each along its direction: out (2, W). Runs of pixels take as many reads."""
+    for k in range(2):
+        for begin in range(0, len(steps), _RUN):
+            end = min(begin + _RUN, len(steps))
+            plane, reads = (first, directions[0]) if k == 0 else (second, directions[1])
+            border = (plane.shape[1] - len(steps)) // 2
+            _mean(plane, y, border + begin, steps[begin:end], reads, equal, out[k, begin:end])
+
+
+@inline
+def _mean(plane, y, start, steps, reads, equal, out):
+    """Mean along a direction of each pixel's own number of reads: reads outside, pixels inside, where loops vectorise.
+
+    start is the first pixel's column. Rows and columns that a read lies on are not blended with those beside them.
+    """
+    scalar, last, own = plane.dtype.type, len(plane) - 1, plane[y, start:]
+    first, most = 0 if equal else 1, np.int32(0)
     for x in range(len(out)):
-        out[x] = scalar(0)
+        out[x] = scalar(0) if equal and steps[x] > 0 else own[x]
         most = max(most, steps[x])
-    for k in range(most + more):
-        row, column = border + y + reads.rows[k], border + reads.columns[k]
-        upper, lower = texels[row, column:], texels[row + 1, column:]
-        across, down, step = reads.across[k], reads.down[k], np.int32(k)
-        for x in range(len(out)):
-            a = upper[x] + (upper[x + 1] - upper[x]) * across
-            b = lower[x] + (lower[x + 1] - lower[x]) * across
-            value = a + (b - a) * down
-            out[x] += value if step < steps[x] + more else scalar(0)
+    for k in range(first, most + first):
+        row, column, before = y + reads.rows[k], start + reads.columns[k], np.int32(k - first)
+        upper, lower = plane[min(max(row, 0), last), column:], plane[min(max(row + 1, 0), last), column:]
+        across, down = reads.across[k], reads.down[k]
+        if down == scalar(0) and across == scalar(0):
+            for x in range(len(out)):
+                out[x] += upper[x] if steps[x] > before else scalar(0)
+        elif down == scalar(0):
+            for x in range(len(out)):
+                value = upper[x] + (upper[x + 1] - upper[x]) * across
+                out[x] += value if steps[x] > before else scalar(0)
+        else:
+            for x in range(len(out)):
+                a = upper[x] + (upper[x + 1] - upper[x]) * across
+                b = lower[x] + (lower[x + 1] - lower[x]) * across
+                value = a + (b - a) * down
+                out[x] += value if steps[x] > before else scalar(0)
     for x in range(len(out)):
-        count = steps[x] + more
-        out[x] = out[x] / scalar(count) if count > 0 else texels[border + y, border + x]
+        out[x] /= max(scalar(steps[x]) + scalar(first), scalar(1))

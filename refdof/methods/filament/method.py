@@ -3,9 +3,9 @@ Google's Filament.
 
 1. Halve the picture, bright colours less; the nearest of four circles; mip levels of both             `half.half_of`
 2. Least and greatest circle of tiles of 8 texels, and of two tiles around                             `half.half_of`
-3. Where all circles are alike, the mean of rings of taps                                         `gather._alike`
-4. Else background: rings from outside in, of which nearer taps hide the outer ones               `gather._background`
-5. and foreground: near taps in two layers, over the background                                   `gather._foreground`
+3. Where all circles are alike, the mean of rings of taps                                           `alike.alike`
+4. Else background: rings from outside in, of which nearer taps hide the outer ones            `background.background`
+5. and foreground: near taps in two layers, over the background                                `foreground.foreground`
 6. Median of nine                                                            `refdof.raster.filters.median`
 7. Over the sharp picture, by alpha                                                          `combine.combined`
 
@@ -33,14 +33,14 @@ References
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from refdof._check import Float, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
 from refdof.methods.filament.combine import BLURRED_ALONE, NOT_BLURRED, OVER, combined
-from refdof.methods.filament.gather import ALIKE, MOST_RINGS, gather
+from refdof.methods.filament.gather import ALIKE, gather
 from refdof.methods.filament.half import TILE, Half, half_of, noise
+from refdof.methods.filament.rings import MOST_RINGS
 from refdof.raster.filters.median import median
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
@@ -154,8 +154,8 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     moved = noise(half.finest.shape[0], half.finest.shape[1], color.dtype)
     places = np.stack([half.starts[:-1], half.widths, half.heights])
     gathered = gather(half.texels, places, half.tiles.least, half.tiles.greatest, moved, params.rings)
-    blurred = _per_pixel(_largest(half) >= 1, TILE)[..., None]
-    smooth = np.where(blurred, median(gathered), gathered)
+    smooth = median(gathered)
+    _by_tile(smooth)[_largest(half) < 1] = 0
     recorder.record("coc", lambda: coc)
     recorder.record("half", lambda: half.finest)
     recorder.record("gathered", lambda: gathered)
@@ -169,8 +169,10 @@ def _largest(half: Half) -> Float:
     return np.maximum(np.abs(half.tiles.least), np.abs(half.tiles.greatest))
 
 
-def _per_pixel(tiles: NDArray[np.bool_], side: int) -> NDArray[np.bool_]:
-    return tiles.repeat(side, axis=0).repeat(side, axis=1)
+def _by_tile(picture: Float) -> Float:
+    """A view (h / 8, w / 8, 8, 8, 4) of (h, w, 4)."""
+    height, width, channels = picture.shape
+    return picture.reshape(height // TILE, TILE, width // TILE, TILE, channels).swapaxes(1, 2)
 
 
 def _combined(color: Float, half: Half, smooth: Float) -> Float:
