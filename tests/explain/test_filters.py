@@ -15,7 +15,12 @@ from refdof.oracle.inputs import cards, noise
 WIDTH, HEIGHT = 16, 12
 PIXELS = [(0, 0), (7, 5), (15, 11), (9, 6)]  # corners, and both sides of the cards' edges
 FILTERS = [name for name, module in METHODS.items() if module.METHOD.kind == "single image"]
-SETTINGS = {"scatter": [{}, {"order": "far_to_near"}], "poisson": [{}, {"code": "thin_lens"}]}
+SETTINGS = {
+    "scatter": [{}, {"order": "far_to_near"}],
+    "poisson": [{}, {"code": "thin_lens"}],
+    "circular": [{}, {"components": 3, "fields": "near_far"}],
+    "ringgather": [{}, {"working": "tonemapped", "fill": True}],
+}
 CASES = [(name, values) for name in FILTERS for values in SETTINGS.get(name, [{}])]
 
 
