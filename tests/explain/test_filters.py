@@ -112,6 +112,33 @@ def test_mipmap_texels_add_up_to_the_pixel():
         np.testing.assert_allclose(total(texels.columns, texels.rows), found.value, rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("method", "summed", "chosen", "choice"),
+    [
+        ("ringgather", "rings", "median", np.median),
+        ("filament", "gathered", "median", np.median),
+        ("halfres", "far_mean", "far_brightest", np.max),
+    ],
+)
+def test_texels_of_half_the_size_by_their_stages(method, summed, chosen, choice):
+    """One table adds up to the texel before, and the other holds the values of which the texel is the median or most."""
+    picture = cards(WIDTH, HEIGHT)
+    y, x = np.unravel_index(picture.coc.argmax(), picture.coc.shape)  # behind, so that halfres tells of its far picture
+    _, stages = METHODS[method].blur(*picture[:3], stages=True)
+    of_many, of_sum = sorted(explained(method, picture, (x, y)).parts[:2], key=lambda part: "weight" in part.columns)
+    values = of_many.rows[:, [of_many.columns.index(name) for name in ("red", "green", "blue")]]
+    np.testing.assert_allclose(choice(values, axis=0), stages[chosen][y // 2, x // 2, :3], rtol=0, atol=2e-6)
+    found = stages[summed][y // 2, x // 2, :3]
+    assert found.any()
+    np.testing.assert_allclose(total(of_sum.columns, of_sum.rows), found, rtol=0, atol=2e-5)
+
+
+def test_a_far_picture_that_is_added():
+    picture = cards(WIDTH, HEIGHT)
+    for pixel in PIXELS:
+        assert explained("halfres", picture, pixel, {"variant": "pmndrs"}).agrees
+
+
 @pytest.mark.fast
 def test_a_geometric_blend_is_refused():
     with pytest.raises(InputError, match=r"^blend: got 'geometric'"):
