@@ -25,7 +25,7 @@ def explain(given: Pictures, params: Any, pixel: tuple[int, int]) -> Explanation
     stages, tile = begun.stages, (y // (2 * TILE), x // (2 * TILE))
     least, greatest = float(stages["least"][tile]), float(stages["greatest"][tile])
     place, texel_px = ((x + 0.5) / 2.0, (y + 0.5) / 2.0), (2.0, 2.0)
-    notes = (f"circles of the tile and those around: {least:.6g} .. {greatest:.6g} px",)
+    notes: tuple[str, ...] = (f"circles of the tile and those around: {least:.6g} .. {greatest:.6g} px",)
     if max(abs(least), abs(greatest)) < 1.0:
         return explained(begun, [], 1.0, (*notes, _KINDS[0]), [], texel_px)
     texels = around(stages["median"], place)
@@ -42,7 +42,8 @@ def explain(given: Pictures, params: Any, pixel: tuple[int, int]) -> Explanation
 def _gathered(given: Pictures, params: Any, texel: tuple[int, int]) -> Part:
     """Texels of the halved picture's levels that add up to a texel (column, row), before the median."""
     (column, row), half = texel, half_of(given.color, given.coc, params.largest_px)
-    moved = noise(*half.finest.shape[:2], given.color.dtype)
+    height, width = half.finest.shape[:2]
+    moved = noise(height, width, given.color.dtype)
     places = np.stack([half.starts[:-1], half.widths, half.heights])
     least, greatest = (np.zeros_like(side) for side in half.tiles)  # other tiles do nothing
     tile = row // TILE, column // TILE

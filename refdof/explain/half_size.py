@@ -79,7 +79,7 @@ def explained(
 
 
 def nine(picture: Float, texel: tuple[int, int], last: str) -> Part:
-    """The nine texels around one (column, row) of a picture (h, w, 4), whose medians, each channel apart, it becomes."""
+    """The nine texels around one (column, row) of a picture (h, w, 4), of which the medians become that texel."""
     (column, row), (height, width) = texel, picture.shape[:2]
     rows = []
     for j in (-1, 0, 1):

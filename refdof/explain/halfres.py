@@ -51,7 +51,7 @@ def _greatest(
     (column, row), mean = texel, stages[f"{name}_mean"]
     circle = float(mean[row, column, 3])
     table = np.concatenate([[[0.0, 0.0]], points()[1]]) * (params.largest_px * circle) * scale
-    places = table + [column + 0.5, row + 0.5]
+    places = table + np.array([column + 0.5, row + 0.5])
     values = read(mean, places)[:, :3]
     rows = np.column_stack([np.arange(len(places)), places / scale, values])
     title = f"reads of the {name} mean, of which the greatest, each channel apart, are the texel {column},{row}"

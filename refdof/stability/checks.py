@@ -174,4 +174,4 @@ def mirrored(other: Callable[[], View]) -> Check:
 
 def _room_of_places(run: Run) -> float:
     """`ROOM`, and half a unit of a place's rounding for each pixel of the width, in two pictures or two passes."""
-    return ROOM + run.image.shape[1]
+    return ROOM + float(run.image.shape[1])

@@ -64,7 +64,9 @@ def terminal_text(cells: Sequence[Cell]) -> str:
 def _above(cell: Cell) -> str:
     """The figures that are above their bounds."""
     figures = [figure for figure in cell.figures if not figure.holds]
-    told = [f"{one.name} {_shown(one.value)} {one.unit}, at most {_shown(one.bound)}{_kept(cell, one)}" for one in figures]
+    told = [
+        f"{one.name} {_shown(one.value)} {one.unit}, at most {_shown(one.bound)}{_kept(cell, one)}" for one in figures
+    ]
     return "".join(f"{text}. " for text in told)
 
 

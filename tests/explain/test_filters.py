@@ -121,7 +121,7 @@ def test_mipmap_texels_add_up_to_the_pixel():
     ],
 )
 def test_texels_of_half_the_size_by_their_stages(method, summed, chosen, choice):
-    """One table adds up to the texel before, and the other holds the values of which the texel is the median or most."""
+    """One table adds up to the texel before, the other holds values of which the texel is the median or greatest."""
     picture = cards(WIDTH, HEIGHT)
     y, x = np.unravel_index(picture.coc.argmax(), picture.coc.shape)  # behind, so that halfres tells of its far picture
     _, stages = METHODS[method].blur(*picture[:3], stages=True)
