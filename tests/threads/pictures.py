@@ -8,13 +8,6 @@ from tests import flat_scene
 FILTERS = {name: module for name, module in METHODS.items() if hasattr(module, "blur")}
 """Methods that blur one picture by its depth. `poisson` blurs by depth in its own code, all others by circles."""
 
-NONLINEAR = {
-    "filament": "halves pictures with weights by colour, and takes medians",
-    "halfres": "takes greatest values",
-    "ringgather": "takes medians",
-}
-"""Filters whose picture of a sum of colours is not the sum of their pictures, and why."""
-
 # A camera with P = 100 px per unit tangent, and a lens of radius 0.1 focused at 2: circles of 10 (1 / 2 - 1 / d) px.
 CAMERA = flat_scene.camera(9, 7, 100.0)
 LENS = ThinLens(0.1, 2.0)

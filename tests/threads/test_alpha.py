@@ -11,7 +11,8 @@ from refdof.frame.files import load_frame
 from tests import flat_scene
 from tests.closed_forms import half_disc
 from tests.frame import exr_files
-from tests.threads.pictures import FILTERS, NONLINEAR, filtered, noise, wall
+from tests.threads.pictures import FILTERS, filtered, noise, wall
+from tests.unlike import NONLINEAR
 
 pytestmark = pytest.mark.fast
 EACH = pytest.mark.parametrize("name", FILTERS)
