@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -14,9 +14,9 @@ from refdof.methods import METHODS
 from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.progress import progress_line
 from refdof.stability import CASES, Case, as_json, counts_of, html_page, matrix, terminal_text
-from refdof.stability.ahead import compile_twins
+from refdof.stability.ahead import compile_twins, twin_job
 from refdof.stability.verdict import BROKEN
-from refdof.warm import job_of, warm
+from refdof.warm import is_warm, job_of, warm
 
 __all__ = ["add_stability"]
 
@@ -54,11 +54,23 @@ def stability(
         if only is None:
             warm([job_of(name, "best") for name in names], tell, at_least=2)
             compile_twins(names, tell)
-        cells = matrix(names, cases, tell)
+        cells = matrix(names, cases, _with_compiling(names, tell))
     print(json.dumps(as_json(cells), indent=2, allow_nan=False) if as_json_text else terminal_text(cells))
     if html_file is not None:
         write_text(html_file, html_page(cells), "html")
     raise typer.Exit(1 if counts_of(cells)[BROKEN] else 0)
+
+
+def _with_compiling(names: Sequence[str], tell: Callable[[str, int, int], None]) -> Callable[[str, int, int], None]:
+    """`tell` that says "compiling" in the first cell of a method that was not compiled ahead."""
+    cold = {name for name in names if not is_warm([job_of(name, "best"), twin_job(name)])}
+
+    def tell_cell(cell: str, done: int, count: int) -> None:
+        method = cell.rpartition(", ")[2]
+        tell(f"{cell}: compiling" if method in cold else cell, done, count)
+        cold.discard(method)
+
+    return tell_cell
 
 
 def _named(names: Sequence[str]) -> list[Case]:

@@ -4,22 +4,27 @@ Every method has one entry in `EXPLAINERS`; it explains the picture. Stages: `re
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from refdof._check import InputError, as_choice, as_instance
 from refdof.explain import (
     accumulation,
     cascaded,
+    filament,
+    halfres,
     lensblur,
     mipmap,
     multiview,
     poisson,
     pyramidal,
+    ringgather,
     scatter,
     separable,
     singlepass,
 )
 from refdof.explain.explanation import Explanation
+from refdof.explain.linear import explain_linear
 from refdof.explain.pictures import Pictures, pictures_of
 from refdof.explain.stages import explain_stage
 from refdof.methods import METHODS
@@ -32,11 +37,16 @@ __all__ = ["EXPLAINERS", "explain_pictures", "explain_view"]
 EXPLAINERS: dict[str, Callable[[Any, Any, tuple[int, int]], Explanation]] = {
     "accumulation": accumulation.explain,
     "cascaded": cascaded.explain,
+    "circular": partial(explain_linear, "circular"),
+    "filament": filament.explain,
+    "halfres": halfres.explain,
+    "hexagon": partial(explain_linear, "hexagon"),
     "lensblur": lensblur.explain,
     "mipmap": mipmap.explain,
     "multiview": multiview.explain,
     "poisson": poisson.explain,
     "pyramidal": pyramidal.explain,
+    "ringgather": ringgather.explain,
     "scatter": scatter.explain,
     "separable": separable.explain,
     "singlepass": singlepass.explain,

@@ -1,9 +1,9 @@
 """Impulses: the weight of every source in one pixel, recovered through the method itself.
 
 A filter that is linear in colour at given depths has weights w with value = sum of w times colour. The weight of a
-source is what the pixel gets where that source alone has the colour 1. Weights are not negative: a block of sources
-that adds nothing holds no source that does, so blocks are halved until single sources are left. The three channels of
-a colour serve three blocks at once.
+source is what the pixel gets where that source alone has the colour 1. A block of sources that adds nothing holds no
+source that does, so blocks are halved until single sources are left: weights are not negative, or, of kernels that are,
+do not add up to 0 to the last bit. The three channels of a colour serve three blocks at once.
 """
 
 from collections.abc import Callable

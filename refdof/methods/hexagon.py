@@ -95,6 +95,7 @@ METHOD = Method(
         ),
     ),
     paper={},
+    tradeoff=("largest_px", (4.0, 8.0, 16.0, 32.0)),
 )
 
 

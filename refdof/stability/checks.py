@@ -36,6 +36,7 @@ __all__ = [
 Check = Callable[[Run], Figure | None]
 
 _SUM = "a few hundred terms, each rounded by half a unit"
+_PLACES = f"{_SUM}; places round by the picture's width"
 FLIPS = 8
 """Rays of a pixel that a rounding may send past an edge to the other side."""
 
@@ -50,8 +51,7 @@ def one_precision(run: Run) -> Figure | None:
     error = run.error()
     if error is None:
         return None
-    room = ROOM + run.image.shape[1]
-    return Figure("float32", error, room, "ulp of the brightest", f"{_SUM}; places round by the picture's width")
+    return Figure("float32", error, _room_of_places(run), "ulp of the brightest", _PLACES)
 
 
 def convex(low: Float | Sequence[float] | float, high: Float | Sequence[float] | float) -> Check:
@@ -167,6 +167,11 @@ def mirrored(other: Callable[[], View]) -> Check:
             return None
         image = run.of(other())[:, ::-1].astype(np.float64)
         error = float(np.abs(run.image - image).max()) / (bright(image) * ULP)
-        return Figure("symmetry", error, ROOM, "ulp of the brightest", "the same terms in another order")
+        return Figure("symmetry", error, _room_of_places(run), "ulp of the brightest", f"another order; {_PLACES}")
 
     return check
+
+
+def _room_of_places(run: Run) -> float:
+    """`ROOM`, and half a unit of a place's rounding for each pixel of the width, in two pictures or two passes."""
+    return ROOM + float(run.image.shape[1])

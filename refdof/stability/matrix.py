@@ -23,23 +23,24 @@ def matrix(
     cases: Sequence[Case] | None = None,
     tell: Callable[[str, int, int], None] | None = None,
 ) -> list[Cell]:
-    """Cells of all cases, each with all methods; `tell` is called with (what, done, all)."""
+    """Cells of all cases, each with all methods; before each `tell` is called with ("case, method", done, all)."""
     chosen = list(METHODS) if methods is None else list(methods)
     rows = CASES if cases is None else cases
-    cells = []
-    for number, case in enumerate(rows):
-        if tell is not None:
-            tell(case.name, number, len(rows))
-        cells += _row(case, chosen)
+    cells: list[Cell] = []
+    for case in rows:
+        view = _seen(case)
+        for method in chosen:
+            if tell is not None:
+                tell(f"{case.name}, {method}", len(cells), len(rows) * len(chosen))
+            cells.append(cell_of(case, method, view))
     return cells
 
 
-def _row(case: Case, methods: Sequence[str]) -> list[Cell]:
+def _seen(case: Case) -> View | InputError:
     try:
-        view: View | InputError = case.view()
+        return case.view()
     except InputError as error:
-        view = error
-    return [cell_of(case, method, view) for method in methods]
+        return error
 
 
 def cell_of(case: Case, method: str, view: View | InputError) -> Cell:

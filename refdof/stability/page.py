@@ -8,7 +8,7 @@ from typing import Any
 
 from refdof.stability.cases import CASES, GROUPS
 from refdof.stability.cases.case import Case
-from refdof.stability.degraded import reasons
+from refdof.stability.degraded import reasons, wider_bound
 from refdof.stability.run import ROOM
 from refdof.stability.verdict import BROKEN, DEGRADED, NOT_APPLICABLE, PASS, VERDICTS, Cell, Figure
 
@@ -64,8 +64,15 @@ def terminal_text(cells: Sequence[Cell]) -> str:
 def _above(cell: Cell) -> str:
     """The figures that are above their bounds."""
     figures = [figure for figure in cell.figures if not figure.holds]
-    told = [f"{one.name} {_shown(one.value)} {one.unit}, at most {_shown(one.bound)}" for one in figures]
+    told = [
+        f"{one.name} {_shown(one.value)} {one.unit}, at most {_shown(one.bound)}{_kept(cell, one)}" for one in figures
+    ]
     return "".join(f"{text}. " for text in told)
+
+
+def _kept(cell: Cell, figure: Figure) -> str:
+    wider = wider_bound(cell.case, cell.method, figure.name)
+    return "" if wider is None else f", kept below {_shown(wider)}"
 
 
 def as_json(cells: Sequence[Cell]) -> dict[str, Any]:
@@ -86,6 +93,7 @@ def as_json(cells: Sequence[Cell]) -> dict[str, Any]:
                         "name": figure.name,
                         "value": _number(figure.value),
                         "bound": figure.bound,
+                        "kept_below": wider_bound(cell.case, cell.method, figure.name),
                         "unit": figure.unit,
                         "reason": figure.reason,
                     }
@@ -137,6 +145,7 @@ def html_page(cells: Sequence[Cell]) -> str:
         groups=[group for group in groups if group["rows"]],
         counted=_counted(cells),
         shown=_shown,
+        wider=wider_bound,
     )
 
 

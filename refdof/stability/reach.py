@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from refdof.methods import poisson, singlepass
+from refdof.methods import circular, poisson, singlepass
 from refdof.stability.run import Run
 
 __all__ = ["reach_of"]
@@ -28,7 +28,34 @@ def reach_of(run: Run) -> tuple[float, str]:
         )
     if run.method in ("accumulation", "lensblur", "multiview"):
         return circle + math.sqrt(2.0) + 0.5, "a ray ends inside its circle; colours are read between two texels"
+    if run.method in _HALF:
+        return _HALF[run.method](circle)
+    if run.method == "hexagon":
+        return 2.0 * (round(circle) + _TEXEL), "two passes, each of so many steps, between two texels"
+    if run.method == "circular":
+        params = circular.Params()
+        tap = (1.0 + params.transition) * circle / params.fitted_radius
+        return math.sqrt(2.0) * (tap + 1.0), "two passes, each as far as its last tap, between two texels"
     return whole, "pyramids and wide blurs: every level is read, also with weight 0"
+
+
+def _of_halfres(circle: float) -> tuple[float, str]:
+    return 2.0 * circle + 5.0 * _TEXEL, "a mean and a maximum, a circle each; texels of the picture, and two of half"
+
+
+def _of_ringgather(circle: float) -> tuple[float, str]:
+    return circle + 7.0 * _TEXEL, "prefilter and rings reach 7/8 of a circle; a texel of the picture, three of half"
+
+
+def _of_filament(circle: float) -> tuple[float, str]:
+    rings = min(5, math.ceil(0.5 * circle + 0.5))
+    level = max(0, math.floor(math.log2(0.5 * circle / (rings - 0.5)) + 0.5))
+    bound = circle + 2.0 * _TEXEL * (1.5 * 2.0**level + 2.0)
+    return bound, "taps and their noise reach a circle; a texel and a half of their level, two of half the size"
+
+
+_TEXEL = math.sqrt(2.0)  # from a place to the farthest centre of the four texels around it [texels]
+_HALF = {"halfres": _of_halfres, "ringgather": _of_ringgather, "filament": _of_filament}
 
 
 def _of_poisson(params: poisson.Params) -> float:

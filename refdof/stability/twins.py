@@ -26,6 +26,8 @@ from refdof.view import View
 __all__ = ["Ran", "narrow", "narrow_of_half", "through_points", "wide"]
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
+_OWN_UNIT = ("ringgather",)  # depth has a unit there, that of `foreground`
+_FARTHEST = 1e30  # what is behind everything, in such a unit
 
 
 class Ran(NamedTuple):
@@ -92,7 +94,8 @@ def _filtered(method: str, view: View, params: Any, dtype: type, half: str = "",
     coc = within(np.float32, coc)
     if half == "circle":
         coc = _half(coc)
-    given: list[Float] = [part.astype(dtype) for part in (pinhole.color, depth_in_range(depth), coc)]
+    depth = np.minimum(depth, _FARTHEST).astype(np.float32) if method in _OWN_UNIT else depth_in_range(depth)
+    given: list[Float] = [part.astype(dtype) for part in (pinhole.color, depth, coc)]
     blurred = METHODS[method].blur(*given, params, stages=stages)
     return Ran(*blurred) if stages else Ran(blurred, {})
 

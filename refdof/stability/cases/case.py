@@ -1,9 +1,10 @@
 """A case: an extreme, the view that shows it, and what must hold."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
+from refdof.methods import METHODS
 from refdof.stability.checks import Check
 from refdof.view import View
 
@@ -62,5 +63,6 @@ class Skip:
     }
     NO_SAMPLES: Mapping[str, str] = {
         name: "has no lens samples"
-        for name in ("cascaded", "mipmap", "poisson", "pyramidal", "scatter", "separable", "singlepass")
+        for name, module in METHODS.items()
+        if "samples" not in {entry.name for entry in fields(module.Params)}
     }
