@@ -38,6 +38,7 @@ def moments(rhombi, circle):
     return energy, image.max() / energy * 1.5 * math.sqrt(3) * circle**2, (image * x).sum(), (image * y).sum()
 
 
+@pytest.mark.long
 def test_the_engines_rhombi_are_not_alike():
     # docs: measured of the engine's own form at 60 px across: (-3.2, -1.9) px off, and a ridge of three times the mean.
     energy, ridge, x, y = moments("engine", 30)
@@ -51,6 +52,7 @@ def test_the_engines_rhombi_are_not_alike():
     assert 2.7 < ridge < 3.3
 
 
+@pytest.mark.long
 def test_equal_rhombi_are_in_the_middle():
     energy, ridge, x, y = moments("equal", 30)
     assert energy == pytest.approx(1.0, rel=1e-12)

@@ -74,6 +74,7 @@ def spot(**words):
     return blur(color, np.ones((33, 33)), np.full((33, 33), circle), params)[..., 0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("components", [1, 2, 3, 4, 5])
 def test_the_taps_are_the_printed_kernel(components):
     image = spot(components=components, transition=0.2)

@@ -42,6 +42,7 @@ def test_matches_the_naive_twin(name):
         assert np.quantile(np.abs(narrow - expected), 0.98) < 4000 * 1.2e-7  # in float32 some are
 
 
+@pytest.mark.long
 @pytest.mark.fast
 @pytest.mark.parametrize(("rings", "over_disc"), [(3, 0.960), (5, 0.988)])
 def test_the_rings_beside_the_disc(rings, over_disc):

@@ -39,6 +39,7 @@ def spots(circle, light):
     return 4 * mean.sum() / light**2, 4 * brightest.sum() / light**2, center
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("light", "gain"), [(1, 7.4), (2, 4.9), (4, 3.9), (8, 3.4)])
 def test_the_maximum_makes_small_lights_brighter(light, gain):
     # Measured of the engine's own form at 16 px, to two digits; a light of one pixel falls on single points or between.
@@ -47,6 +48,7 @@ def test_the_maximum_makes_small_lights_brighter(light, gain):
     assert brightest == pytest.approx(gain, abs=0.1)
 
 
+@pytest.mark.long
 def test_the_points_are_off_their_middle():
     *_, (x, y) = spots(32, 8)
     assert (-x / 32, -y / 32) == pytest.approx((-0.003, 0.034), abs=0.002)  # as measured of the engine's table

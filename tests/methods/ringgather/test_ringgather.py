@@ -45,6 +45,7 @@ def test_matches_the_naive_twin(name, words):
     assert np.quantile(off, 0.9) < 300 * 1.2e-7
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("fill", "over_disc"), [(False, 0.857), (True, 1.143)])
 def test_the_kernel_reaches_three_quarters(fill, over_disc):
     # By hand: 8, 16 and 24 taps at j quarters, and the centre: a mean square of 18 / 49 radii; the disc's is 1 / 2.
@@ -61,6 +62,7 @@ def test_the_kernel_reaches_three_quarters(fill, over_disc):
     assert math.sqrt((square - spread) * 2) / circle == pytest.approx(over_disc, rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("circle", "left"), [(2.0, 0.24), (32.0, 0.66)])
 def test_the_median_takes_small_lights_away(circle, left):
     color = np.zeros((160, 160, 3))
