@@ -33,9 +33,9 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def methods(as_json: AsJson = False) -> None:
-    """List the methods: sources, inputs, texture reads, parameters, known defects.
+    """List the methods: sources, inputs, texture reads, parameters.
 
-    It also tells where a method's paper sets other parameters.
+    It also tells known defects, and where a method's paper sets other parameters.
 
     Texture reads are counted for the image size of the default scene.
     """

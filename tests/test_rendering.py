@@ -140,6 +140,7 @@ def test_presets_by_hand():
     assert given == make_params("lensblur", {"samples": 1})
 
 
+@pytest.mark.long
 def test_both_presets_are_compared_where_they_differ():
     done = compare(view().scene, ["singlepass", "mipmap"], samples=4, preset=("best", "paper"))
     assert [(row.method, row.preset) for row in done.rows] == [
