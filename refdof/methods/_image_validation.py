@@ -4,14 +4,14 @@ import numpy as np
 
 from refdof._check import Float, as_depth, as_float, as_image
 
-__all__ = ["as_images", "depth_in_range", "within"]
+__all__ = ["as_images", "depth_in_range", "depth_in_unit", "within"]
 
 
 def as_images(color: Float, depth: Float, coc: Float) -> tuple[Float, Float, Float]:
-    """Return color (H, W, 3), depth (H, W) and coc (H, W) [px], all of the type of `color`.
+    """Return color (H, W, 3), depth (H, W) in its own type and unit, and coc (H, W) [px] of the type of `color`.
 
-    Circles are cut where the difference of two would leave the type. Depths of a wider type than colour's are given in
-    a unit in which they fit, `depth_in_range`.
+    Circles are cut where the difference of two would leave the type. What a method takes of depth tells whether that is
+    made one of the type by `depth_in_range` or by `depth_in_unit`.
 
     Raises
     ------
@@ -21,10 +21,8 @@ def as_images(color: Float, depth: Float, coc: Float) -> tuple[Float, Float, Flo
     """
     color = as_image("color", color)
     depth = as_depth(depth, color.shape[:2])
-    if color.dtype == np.float32 and depth.dtype == np.float64:
-        depth = depth_in_range(depth)
     coc = as_float("coc", coc, color.shape[:2])
-    return color, depth.astype(color.dtype, copy=False), within(color.dtype.type, coc)
+    return color, depth, within(color.dtype.type, coc)
 
 
 def within(dtype: type, circles: Float) -> Float:
@@ -35,12 +33,21 @@ def within(dtype: type, circles: Float) -> Float:
     return circles.astype(dtype, copy=False)
 
 
-def depth_in_range(depth: Float) -> Float:
-    """`depth` as float32 [units of a power of two], infinite where it is, or is beyond that type.
+def depth_in_range(dtype: type, depth: Float) -> Float:
+    """`depth` as `dtype`, for methods to which only ratios count; infinite where it is, or is beyond that type.
 
-    Only ratios of depths count: the nearest is brought to 0.5 .. 1, which changes no bit of a mantissa.
+    Where that is the narrower type, the unit is a power of two that brings the nearest to 0.5 .. 1, which changes no
+    bit of a mantissa.
     """
-    nearest = depth.min(initial=np.inf, where=np.isfinite(depth))
+    if depth.dtype.type is np.float64 and dtype is np.float32:
+        nearest = depth.min(initial=np.inf, where=np.isfinite(depth))
+        if np.isfinite(nearest):
+            with np.errstate(over="ignore"):
+                depth = np.ldexp(depth, -int(np.frexp(nearest)[1]))
+    return depth_in_unit(dtype, depth)
+
+
+def depth_in_unit(dtype: type, depth: Float) -> Float:
+    """`depth` as `dtype` in its own unit, for methods that have constants in that unit; infinite beyond that type."""
     with np.errstate(over="ignore"):
-        scaled = np.ldexp(depth, -int(np.frexp(nearest)[1])) if np.isfinite(nearest) else depth
-        return scaled.astype(np.float32)
+        return depth.astype(dtype, copy=False)

@@ -136,10 +136,9 @@ def blur(
     Costs 4 (r + 1) reads a pixel for circles of radius r.
     """
     as_instance("params", params, Params)
-    color, depth, coc = as_images(color, depth, coc)
+    color, _, coc = as_images(color, depth, coc)
     recorder = StageRecorder(as_stages(stages))
-    image = _blur(color, coc, params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    return recorder.answer(_blur(color, coc, params, recorder))
 
 
 def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

@@ -79,7 +79,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -119,6 +119,7 @@ def blur(
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
+    depth = depth_in_range(color.dtype.type, depth)
     scalar = color.dtype.type
     radius = np.minimum(np.abs(coc), scalar(_LARGEST))
     light = scalar(1) / np.maximum(scalar(1), scalar(math.pi) * radius * radius)

@@ -13,7 +13,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof.methods import METHODS
-from refdof.methods._image_validation import depth_in_range, within
+from refdof.methods._image_validation import depth_in_range, depth_in_unit, within
 from refdof.methods.cascaded import method as cascaded
 from refdof.methods.lensblur import method as lensblur
 from refdof.methods.multiview import method as multiview
@@ -27,7 +27,6 @@ __all__ = ["Ran", "narrow", "narrow_of_half", "through_points", "wide"]
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _OWN_UNIT = ("ringgather",)  # depth has a unit there, that of `foreground`
-_FARTHEST = 1e30  # what is behind everything, in such a unit
 
 
 class Ran(NamedTuple):
@@ -94,7 +93,7 @@ def _filtered(method: str, view: View, params: Any, dtype: type, half: str = "",
     coc = within(np.float32, coc)
     if half == "circle":
         coc = _half(coc)
-    depth = np.minimum(depth, _FARTHEST).astype(np.float32) if method in _OWN_UNIT else depth_in_range(depth)
+    depth = (depth_in_unit if method in _OWN_UNIT else depth_in_range)(np.float32, depth)
     given: list[Float] = [part.astype(dtype) for part in (pinhole.color, depth, coc)]
     blurred = METHODS[method].blur(*given, params, stages=stages)
     return Ran(*blurred) if stages else Ran(blurred, {})

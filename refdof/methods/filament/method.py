@@ -143,9 +143,8 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    color, depth, coc = as_images(color, depth, coc)
-    image = _blur(color, coc, params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    color, _, coc = as_images(color, depth, coc)
+    return recorder.answer(_blur(color, coc, params, recorder))
 
 
 def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

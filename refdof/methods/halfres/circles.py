@@ -8,6 +8,7 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof.image.bilinear import texels_around
+from refdof.methods._image_validation import depth_in_unit
 from refdof.methods.halfres.params import Params
 from refdof.raster.filters.resize import corner_means, resize
 
@@ -33,6 +34,7 @@ def circles_of(depth: Float, coc: Float, params: Params) -> Circles:
     kind = coc.dtype.type
     near, far = np.zeros_like(coc), np.zeros_like(coc)
     if params.circles == "smoothstep":
+        depth = depth_in_unit(kind, depth)
         t = np.minimum(np.abs(depth - kind(params.focus_plane)) / kind(params.focus_range), kind(1))
         blur = t * t * (kind(3) - kind(2) * t)
         np.copyto(near, blur, where=depth <= kind(params.focus_plane))

@@ -28,7 +28,7 @@ import numpy as np
 from refdof._check import Float, as_instance
 from refdof.image.channels import joined
 from refdof.methods._contract import Method
-from refdof.methods._image_validation import as_images, depth_in_range, within
+from refdof.methods._image_validation import as_images, within
 from refdof.methods.halfres.circles import circles_of, kept_shares
 from refdof.methods.halfres.gather import brightest, composite, means
 from refdof.methods.halfres.params import Params, points
@@ -80,9 +80,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    smooth = params.circles == "smoothstep"  # where depth has a unit
-    depth = pinhole.depth.astype(np.float32) if smooth else depth_in_range(pinhole.depth)
-    return _blur(pinhole.color, depth, coc, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -95,7 +93,8 @@ def blur(
     color : (H, W, 3) float32 or float64
         Linear RGB; its type is the type of all arithmetic.
     depth : (H, W)
-        Planar depth [any unit], > 0; inf is background. Only read where `circles` is "smoothstep".
+        Planar depth [the unit of `Params.focus_plane`], > 0; inf is background. Only read where `circles` is
+        "smoothstep".
     coc : (H, W)
         Signed circle of confusion, radius [px].
     params : Params
@@ -118,9 +117,7 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    color, depth, coc = as_images(color, depth, coc)
-    image = _blur(color, depth, coc, params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:

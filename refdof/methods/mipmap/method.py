@@ -152,7 +152,7 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    color, depth, coc = as_images(color, depth, coc)
+    color, _, coc = as_images(color, depth, coc)
     if params.blend == "geometric" and color.min() < 0:
         raise InputError(f"color: smallest value is {color.min():g}; allowed with blend 'geometric' are values >= 0")
     return recorder.answer(_blur(color, coc, params, recorder))

@@ -3,10 +3,17 @@
 import numpy as np
 
 from refdof._check import Float
+from refdof.methods._image_validation import depth_in_range
 from refdof.methods.poisson.params import SMALL_SIZE, Params
 from refdof.raster.filters.mip_chain import box_mipmaps
 
-__all__ = ["code_of", "shrink"]
+__all__ = ["code_of", "depth_for_coding", "shrink"]
+
+
+def depth_for_coding(dtype: type, depth: Float, params: Params) -> Float:
+    """Validated depth, in its own unit where planes are given in it; else as `dtype`."""
+    planes = params.near_plane, params.focus_plane, params.far_plane
+    return depth_in_range(dtype, depth) if planes == (None, None, None) else depth.astype(np.float64)
 
 
 def code_of(depth: Float, coc: Float, params: Params) -> Float:

@@ -33,8 +33,8 @@ import numpy as np
 from refdof._check import Float, as_instance
 from refdof.image.channels import joined
 from refdof.methods._contract import Method
-from refdof.methods._image_validation import as_images, depth_in_range, within
-from refdof.methods.poisson.coding import code_of, shrink
+from refdof.methods._image_validation import as_images, within
+from refdof.methods.poisson.coding import code_of, depth_for_coding, shrink
 from refdof.methods.poisson.gather import gather
 from refdof.methods.poisson.params import TAPS, Params
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
@@ -80,8 +80,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    depth = _in_unit_of_planes(params, pinhole.depth, depth_in_range(pinhole.depth))
-    return _blur(pinhole.color, depth, coc, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -114,9 +113,7 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    color, scaled, coc = as_images(color, depth, coc)
-    image = _blur(color, _in_unit_of_planes(params, depth, scaled), coc, params, recorder)
-    return recorder.answer(image)
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
 def coded_and_small(color: Float, depth: Float, coc: Float, params: Params) -> tuple[Float, Float]:
@@ -125,19 +122,13 @@ def coded_and_small(color: Float, depth: Float, coc: Float, params: Params) -> t
     return coded, shrink(coded, params.small_size)
 
 
-def _in_unit_of_planes(params: Params, depth: Float, scaled: Float) -> Float:
-    """Depth for coding: as it was given where planes are, else in a unit in which it fits into float32."""
-    planes = params.near_plane, params.focus_plane, params.far_plane
-    return scaled if planes == (None, None, None) else np.asarray(depth, dtype=np.float64)
-
-
 def _units(small: float, taps: int = len(TAPS)) -> float:
     """Reads per pixel, if the small picture has a share `small` of the pixels."""
     return 2.0 * taps + 9.0 * small
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
-    coded, small = coded_and_small(color, depth, coc, params)
+    coded, small = coded_and_small(color, depth_for_coding(color.dtype.type, depth, params), coc, params)
     taps, reach = params.table.astype(color.dtype), params.small_radius * params.small_size
     recorder.record("coc", lambda: coc)
     recorder.record("code", lambda: coded[..., 3])

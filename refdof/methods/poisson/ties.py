@@ -17,6 +17,7 @@ import numpy as np
 
 from refdof._check import Float, as_instance, as_number
 from refdof.methods._image_validation import as_images
+from refdof.methods.poisson.coding import depth_for_coding
 from refdof.methods.poisson.method import coded_and_small
 from refdof.methods.poisson.params import Params
 from refdof.stages import Bounds
@@ -58,7 +59,9 @@ def bounds(color: Float, depth: Float, coc: Float, params: Params = Params(), ha
     """
     as_instance("params", params, Params)
     hair = as_number("hair", hair, minimum=0.0, maximum=0.25)
-    color, depth, coc = (image.astype(np.float64) for image in as_images(color, depth, coc))
+    color, depth, coc = as_images(color, depth, coc)
+    depth = depth_for_coding(color.dtype.type, depth, params)
+    color, depth, coc = (image.astype(np.float64) for image in (color, depth, coc))
     return bounds_of_coded(*coded_and_small(color, depth, coc, params), params, hair)
 
 

@@ -129,7 +129,7 @@ def blur(
     """
     as_instance("params", params, Params)
     recorder = StageRecorder(as_stages(stages))
-    color, depth, coc = as_images(color, depth, coc)
+    color, _, coc = as_images(color, depth, coc)
     return recorder.answer(_blur(color, coc, params, recorder))
 
 

@@ -33,7 +33,7 @@ import numpy as np
 from refdof._check import Float, as_instance
 from refdof.image.channels import joined
 from refdof.methods._contract import Method
-from refdof.methods._image_validation import as_images, within
+from refdof.methods._image_validation import as_images, depth_in_unit, within
 from refdof.methods.ringgather.gather import rings
 from refdof.methods.ringgather.params import Params, points
 from refdof.methods.ringgather.prefilter import circles, prefilter
@@ -91,8 +91,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    depth = np.minimum(pinhole.depth, _FARTHEST).astype(np.float32)
-    return _blur(pinhole.color, depth, coc, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -127,12 +126,8 @@ def blur(
     Costs at most 49 taps for every four pixels, whatever the blur.
     """
     as_instance("params", params, Params)
-    recorder, given = StageRecorder(as_stages(stages)), depth
-    color, depth, coc = as_images(color, depth, coc)
-    if getattr(given, "dtype", None) != color.dtype:
-        depth = np.asarray(given, dtype=np.float64)
-    image = _blur(color, np.minimum(depth, _FARTHEST).astype(color.dtype, copy=False), coc, params, recorder)
-    return Staged(image, recorder.stages) if recorder.on else image
+    recorder = StageRecorder(as_stages(stages))
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
 class _Around(NamedTuple):
@@ -151,7 +146,7 @@ def _around(depth: Float, circle: Float) -> _Around:
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     kind = color.dtype.type
-    circle = circles(coc, params.largest_px)
+    depth, circle = np.minimum(depth_in_unit(kind, depth), kind(_FARTHEST)), circles(coc, params.largest_px)
     around = _around(depth, circle)
     taps, side = points(params.fill).astype(kind), _TILE // 2
     margin = int(np.ceil(around.greatest.max() * np.abs(taps).max())) + 2

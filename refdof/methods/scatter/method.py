@@ -84,7 +84,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -124,6 +124,7 @@ def blur(
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
+    depth = depth_in_range(color.dtype.type, depth)
     radius = np.minimum(np.abs(coc).astype(np.float64), LARGEST_DISC)
     if params.order == "none":
         order = np.arange(depth.size)

@@ -73,7 +73,7 @@ METHOD = Method(
 def render(view: View, params: Params, recorder: StageRecorder) -> Float:
     """Render `view`: (H, W, 3) float32 linear RGB."""
     pinhole, coc = view.pinhole(), within(np.float32, view.coc_px())
-    return _blur(pinhole.color, depth_in_range(pinhole.depth), coc, pinhole.depth, params, recorder)
+    return _blur(pinhole.color, pinhole.depth, coc, params, recorder)
 
 
 def blur(
@@ -109,14 +109,12 @@ def blur(
     Costs 398 taps a pixel by default, whatever the blur. The mean is a running one: order matters, energy is not kept.
     """
     as_instance("params", params, Params)
-    recorder, given = StageRecorder(as_stages(stages)), depth
-    color, depth, coc = as_images(color, depth, coc)
-    image = _blur(color, depth, coc, np.asarray(given), params, recorder)
-    return recorder.answer(image)
+    recorder = StageRecorder(as_stages(stages))
+    return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
-def _blur(color: Float, depth: Float, coc: Float, given_depth: Float, params: Params, recorder: StageRecorder) -> Float:
-    """`blur` after validation, and the depth as it was given, which stages show."""
-    walk = walk_of(color, depth, coc, params)
-    record_stages(recorder, walk, coc, given_depth, params)
+def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
+    """`blur` after validation. Stages show the depth as it was given."""
+    walk = walk_of(color, depth_in_range(color.dtype.type, depth), coc, params)
+    record_stages(recorder, walk, coc, depth, params)
     return spread(walk)

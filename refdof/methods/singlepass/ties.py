@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from refdof._check import Float, as_instance, as_number
-from refdof.methods._image_validation import as_images
+from refdof.methods._image_validation import as_images, depth_in_range
 from refdof.methods.singlepass.params import Params
 from refdof.methods.singlepass.planar import window
 from refdof.methods.singlepass.trace import cover_of
@@ -84,7 +84,9 @@ def bounds(
     as_instance("params", params, Params)
     epsilon = as_number("epsilon", epsilon, minimum=0.0, maximum=0.25)
     hair = as_number("hair", hair, minimum=0.0, maximum=0.25)
-    color, depth, coc = (image.astype(np.float64) for image in as_images(color, depth, coc))
+    color, depth, coc = as_images(color, depth, coc)
+    depth = depth_in_range(color.dtype.type, depth)
+    color, depth, coc = (image.astype(np.float64) for image in (color, depth, coc))
     return bounds_from(color, depth, coc, params, Start(), epsilon, hair)
 
 
