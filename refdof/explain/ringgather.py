@@ -8,19 +8,16 @@ from refdof.explain.explanation import Explanation
 from refdof.explain.half_size import around, explained, nine, pixels_of
 from refdof.explain.linear import begin
 from refdof.explain.pictures import Pictures
+from refdof.methods.ringgather.params import TILE, from_working
 
 __all__ = ["explain"]
-
-_TILE = 32  # px
 
 
 def explain(given: Pictures, params: Any, pixel: tuple[int, int]) -> Explanation:
     """Every texel that is laid over the pixel; of the nearest one every pixel, where colours are summed as given."""
     begun, (x, y) = begin("ringgather", given, params, pixel), pixel
     stages, (width, height) = begun.stages, given.size
-    soft, tile = stages["median"].astype(np.float64), (y // _TILE, x // _TILE)
-    if params.working == "tonemapped":
-        soft[..., :3] /= np.maximum(1.0 - soft[..., :3].max(axis=2, keepdims=True), 1e-6)
+    soft, tile = from_working(stages["median"].astype(np.float64), params.working), (y // TILE, x // TILE)
     place = (x + 0.5) * soft.shape[1] / width, (y + 0.5) * soft.shape[0] / height
     texels = around(soft, place)
     alpha, own, most = texels.mean[3], float(stages["circle"][y, x]), float(stages["greatest"][tile])

@@ -5,11 +5,22 @@ Row by row, with every channel of the blurred one apart, where loops vectorise.
 
 import numpy as np
 
+from refdof._check import Index
 from refdof._jit import borrow, inline, kernel, prange
+from refdof.methods.filament.rings import ALIKE
+from refdof.raster.filters.tiles import Tiles
 
-__all__ = ["BLURRED_ALONE", "NOT_BLURRED", "OVER", "combined"]
+__all__ = ["BLURRED_ALONE", "NOT_BLURRED", "OVER", "combined", "sorts_of"]
 
 NOT_BLURRED, OVER, BLURRED_ALONE = 0, 1, 2
+
+
+def sorts_of(tiles: Tiles) -> Index:
+    """What each tile does: the blurred picture is alone where all around is blurred alike, by 2 px at least."""
+    least, greatest = tiles
+    largest = np.maximum(np.abs(least), np.abs(greatest))
+    alone = (greatest - least <= least.dtype.type(ALIKE) * np.abs(greatest)) & (np.abs(least) >= 2)
+    return np.where(largest < 1, NOT_BLURRED, np.where(alone, BLURRED_ALONE, OVER))
 
 
 @kernel

@@ -12,11 +12,10 @@ from refdof.methods.filament.background import background
 from refdof.methods.filament.foreground import foreground
 from refdof.methods.filament.half import TILE
 from refdof.methods.filament.lanes import MOST_LANES, lanes_of, place_taps
-from refdof.methods.filament.rings import RING_TAPS, clipped, ring_taps
+from refdof.methods.filament.rings import ALIKE, RING_TAPS, clipped, ring_taps
 
-__all__ = ["ALIKE", "gather"]
+__all__ = ["gather"]
 
-ALIKE = 0.05  # of the greatest circle
 _ALIKE, _BEHIND, _BEFORE = range(3)
 
 

@@ -35,6 +35,11 @@ class Half(NamedTuple):
         """(h, w, 4)."""
         return self.texels[: self.starts[1]].reshape(self.heights[0], self.widths[0], 4)
 
+    @property
+    def places(self) -> Index:
+        """Starts, widths and heights of the levels, (3, levels)."""
+        return np.stack([self.starts[:-1], self.widths, self.heights])
+
 
 def half_of(color: Float, coc: Float, largest_px: float) -> Half:
     """Halve a picture (H, W, 3) and its circles (H, W), px, whose edges are repeated to whole tiles."""

@@ -37,9 +37,9 @@ import numpy as np
 from refdof._check import Float, as_instance, as_integer, as_number
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, within
-from refdof.methods.filament.combine import BLURRED_ALONE, NOT_BLURRED, OVER, combined
-from refdof.methods.filament.gather import ALIKE, gather
-from refdof.methods.filament.half import TILE, Half, half_of, noise
+from refdof.methods.filament.combine import NOT_BLURRED, combined, sorts_of
+from refdof.methods.filament.gather import gather
+from refdof.methods.filament.half import TILE, half_of, noise
 from refdof.methods.filament.rings import MOST_RINGS
 from refdof.raster.filters.median import median
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
@@ -151,33 +151,21 @@ def _blur(color: Float, coc: Float, params: Params, recorder: StageRecorder) -> 
     """`blur` after validation."""
     half = half_of(color, coc, params.largest_px)
     moved = noise(half.finest.shape[0], half.finest.shape[1], color.dtype)
-    places = np.stack([half.starts[:-1], half.widths, half.heights])
-    gathered = gather(half.texels, places, half.tiles.least, half.tiles.greatest, moved, params.rings)
+    gathered = gather(half.texels, half.places, half.tiles.least, half.tiles.greatest, moved, params.rings)
     smooth = median(gathered)
-    _by_tile(smooth)[_largest(half) < 1] = 0
+    sorts = sorts_of(half.tiles)
+    _by_tile(smooth)[sorts == NOT_BLURRED] = 0
     recorder.record("coc", lambda: coc)
     recorder.record("half", lambda: half.finest)
     recorder.record("gathered", lambda: gathered)
     recorder.record("median", lambda: smooth)
     recorder.record("least", lambda: half.tiles.least)
     recorder.record("greatest", lambda: half.tiles.greatest)
-    return _combined(color, half, smooth)
-
-
-def _largest(half: Half) -> Float:
-    return np.maximum(np.abs(half.tiles.least), np.abs(half.tiles.greatest))
+    image: Float = combined(color, smooth, sorts, 2 * TILE)
+    return image
 
 
 def _by_tile(picture: Float) -> Float:
     """A view (h / 8, w / 8, 8, 8, 4) of (h, w, 4)."""
     height, width, channels = picture.shape
     return picture.reshape(height // TILE, TILE, width // TILE, TILE, channels).swapaxes(1, 2)
-
-
-def _combined(color: Float, half: Half, smooth: Float) -> Float:
-    """The blurred picture over the sharp one; alone where everything around is blurred alike, by 2 px at least."""
-    least, greatest = half.tiles
-    alone = (greatest - least <= color.dtype.type(ALIKE) * np.abs(greatest)) & (np.abs(least) >= 2)
-    tiles = np.where(_largest(half) < 1, NOT_BLURRED, np.where(alone, BLURRED_ALONE, OVER))
-    image: Float = combined(color, smooth, tiles, 2 * TILE)
-    return image

@@ -10,9 +10,10 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import inline
 
-__all__ = ["MOST_RINGS", "RING_TAPS", "clipped", "level_of", "light_of", "pairs", "ring_taps"]
+__all__ = ["ALIKE", "MOST_RINGS", "RING_TAPS", "clipped", "level_of", "light_of", "pairs", "ring_taps"]
 
 MOST_RINGS = 5
+ALIKE = 0.05  # how far the circles of a tile may be apart, of the greatest, to be taken for one
 RING_TAPS = 4 * MOST_RINGS * (MOST_RINGS - 1)  # but for the centre
 _AREA = 32.0 * 32.0
 # From these distances of rings [px] on, texels of levels 1, 2 and 3 are as far apart; halves of a level are rounded up.

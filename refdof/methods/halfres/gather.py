@@ -10,6 +10,7 @@ from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_registers import blend_to
 from refdof._jit.texel_sums import add_blend
 from refdof.image.bilinear import first_of_two, four_around, read_to, texels_around
+from refdof.raster.filters.resize import places_along, read_run
 
 __all__ = ["brightest", "composite", "means"]
 
@@ -95,22 +96,18 @@ def composite(color: Float, far: Float, near: Float, blurs: Float, added: bool) 
 @kernel
 def _composite(color, far, near, blurs, added, out):
     (height, width), scalar, (rows, columns) = color.shape[:2], color.dtype.type, far.shape[:2]
-    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
+    down, half = scalar(rows / height), scalar(0.5)
     first, share = np.empty(width, dtype=np.int64), np.empty(width, dtype=color.dtype)
-    for x in range(width):
-        first[x], share[x] = first_of_two((scalar(np.int32(x)) + half) * right, columns)
+    places_along(columns, first, share)
     behind, before = far.reshape(rows * columns, 4), near.reshape(rows * columns, 4)
     sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
     for y in prange(height):
-        two, places, shares = np.empty((2, _RUN, 4), dtype=color.dtype), borrow(first), borrow(share)
-        upper, lower, between = texels_around((scalar(y) + half) * down, rows)
+        two, places = np.empty((2, _RUN, 4), dtype=color.dtype), (borrow(first), borrow(share))
+        lines = texels_around((scalar(y) + half) * down, rows)
         for start in range(0, width, _RUN):
             end = min(start + _RUN, width)
-            for x in range(start, end):
-                i, k = places[x], min(places[x] + 1, columns - 1)
-                a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
-                blend_to(borrow(behind), a, b, c, d, shares[x], between, two[0], x - start)
-                blend_to(borrow(before), a, b, c, d, shares[x], between, two[1], x - start)
+            read_run(borrow(behind), columns, lines, places, (start, end), two[0])
+            read_run(borrow(before), columns, lines, places, (start, end), two[1])
             source, row = borrow(sharp)[y, 3 * start : 3 * end], borrow(picture)[y, 3 * start : 3 * end]
             if added:
                 kept = blurs[0, y, start:end], blurs[1, y, start:end]

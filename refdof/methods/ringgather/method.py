@@ -35,7 +35,7 @@ from refdof.image.channels import joined
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_unit, within
 from refdof.methods.ringgather.gather import rings
-from refdof.methods.ringgather.params import Params, points
+from refdof.methods.ringgather.params import TILE, Params, from_working, points, to_working
 from refdof.methods.ringgather.prefilter import circles, prefilter
 from refdof.methods.ringgather.upsample import upsampled
 from refdof.raster.filters.median import median
@@ -45,7 +45,6 @@ from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
 
-_TILE = 32  # px
 _FARTHEST = 1e30
 
 
@@ -139,8 +138,8 @@ class _Around(NamedTuple):
 
 
 def _around(depth: Float, circle: Float) -> _Around:
-    found = tiles_of(circle, _TILE).dilated()
-    return _Around(tiles_of(depth, _TILE).dilated().least, found.greatest, found.least)
+    found = tiles_of(circle, TILE).dilated()
+    return _Around(tiles_of(depth, TILE).dilated().least, found.greatest, found.least)
 
 
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
@@ -148,9 +147,9 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
     kind = color.dtype.type
     depth, circle = np.minimum(depth_in_unit(kind, depth), kind(_FARTHEST)), circles(coc, params.largest_px)
     around = _around(depth, circle)
-    taps, side = points(params.fill).astype(kind), _TILE // 2
+    taps, side = points(params.fill).astype(kind), TILE // 2
     margin = int(np.ceil(around.greatest.max() * np.abs(taps).max())) + 2
-    working = color if params.working == "linear" else color / (kind(1) + color.max(axis=2, keepdims=True))
+    working = to_working(color, params.working)
     planes = prefilter(joined(working, depth), circle, around.nearest, taps, side, margin, params.foreground)
     summed = rings(planes, margin, around.greatest, around.least, side, taps, params.gain)
     smooth = median(summed)
@@ -161,10 +160,8 @@ def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: Stag
     recorder.record("least", lambda: around.least)
     recorder.record("filtered", lambda: _picture_of(planes[:, :3, margin:-margin]))
     recorder.record("rings", lambda: summed)
-    recorder.record("median", smooth.copy)
-    if params.working == "tonemapped":
-        smooth[..., :3] /= np.maximum(kind(1) - smooth[..., :3].max(axis=2, keepdims=True), kind(1e-6))
-    return upsampled(color, smooth, circle, depth, around.greatest, around.nearest, _TILE)
+    recorder.record("median", lambda: smooth)
+    return upsampled(color, from_working(smooth, params.working), circle, depth, around.greatest, around.nearest, TILE)
 
 
 def _picture_of(planes: Float) -> Float:

@@ -6,10 +6,11 @@ import numpy as np
 
 from refdof._check import Float, as_bool, as_choice, as_number
 
-__all__ = ["COLORS", "RINGS", "Params", "points"]
+__all__ = ["COLORS", "RINGS", "TILE", "Params", "from_working", "points", "to_working"]
 
 COLORS = ("linear", "tonemapped")
 RINGS = 3  # that are used, of a table of four
+TILE = 32  # px
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,20 @@ class Params:
         object.__setattr__(self, "foreground", as_number("foreground", self.foreground, above=0.0))
         object.__setattr__(self, "fill", as_bool("fill", self.fill))
         as_choice("working", self.working, COLORS)
+
+
+def to_working(color: Float, working: str) -> Float:
+    """Colours (H, W, 3) as they are summed."""
+    return color if working == "linear" else color / (color.dtype.type(1) + color.max(axis=2, keepdims=True))
+
+
+def from_working(soft: Float, working: str) -> Float:
+    """Sums of them (h, w, 4), alpha last, as colours again."""
+    if working == "linear":
+        return soft
+    kind = soft.dtype.type
+    whole = np.maximum(kind(1) - soft[..., :3].max(axis=2, keepdims=True), kind(1e-6))
+    return np.concatenate([soft[..., :3] / whole, soft[..., 3:]], axis=2)
 
 
 def points(fill: bool) -> Float:

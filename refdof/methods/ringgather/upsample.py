@@ -4,8 +4,8 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.texel_registers import blend_to
-from refdof.image.bilinear import first_of_two, texels_around
+from refdof.image.bilinear import texels_around
+from refdof.raster.filters.resize import places_along, read_run
 
 __all__ = ["upsampled"]
 
@@ -23,23 +23,19 @@ def upsampled(
 def _upsample(color, soft, circle, depth, greatest, nearest, side, out):
     (height, width), scalar = circle.shape, color.dtype.type
     rows, columns = soft.shape[:2]
-    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
+    down, half = scalar(rows / height), scalar(0.5)
     first, share = np.empty(width, dtype=np.int64), np.empty(width, dtype=color.dtype)
-    for x in range(width):
-        first[x], share[x] = first_of_two((scalar(np.int32(x)) + half) * right, columns)
+    places_along(columns, first, share)
     flat = soft.reshape(rows * columns, 4)
     sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
     for y in prange(height):
         texels, row, source = borrow(flat), borrow(picture)[y], borrow(sharp)[y]
         reads = np.empty((side, 4), dtype=color.dtype)
-        radius, far, places, shares = borrow(circle)[y], borrow(depth)[y], borrow(first), borrow(share)
-        upper, lower, between = texels_around((scalar(y) + half) * down, rows)
+        radius, far, places = borrow(circle)[y], borrow(depth)[y], (borrow(first), borrow(share))
+        lines = texels_around((scalar(y) + half) * down, rows)
         for tile in range(greatest.shape[1]):
             start, end = tile * side, min((tile + 1) * side, width)
-            for x in range(start, end):
-                i, k = places[x], min(places[x] + 1, columns - 1)
-                a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
-                blend_to(texels, a, b, c, d, shares[x], between, reads, x - start)
+            read_run(texels, columns, lines, places, (start, end), reads)
             most, front, pixels = greatest[y // side, tile], nearest[y // side, tile], slice(3 * start, 3 * end)
             _over(source[pixels], reads.reshape(-1), radius[start:end], far[start:end], most, front, row[pixels])
 

@@ -2,14 +2,16 @@
 
 1. one read at the centre      `resize`: half of an even size is the mean of 2 x 2 texels
 2. four at the corners of a square around it      `corner_means`
+3. of the first, parts of a row, for passes that do more with them      `places_along`, `read_run`
 """
 
 import numpy as np
 
-from refdof._jit import borrow, kernel, prange
-from refdof.image.bilinear import add_read, read_to
+from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.texel_registers import blend_to
+from refdof.image.bilinear import add_read, first_of_two, texels_around
 
-__all__ = ["corner_means", "resize"]
+__all__ = ["corner_means", "places_along", "read_run", "resize"]
 
 
 @kernel
@@ -17,13 +19,36 @@ def resize(picture, height, width):
     """Picture (H, W, 4) -> (height, width, 4) of its type; reads beyond the edge repeat it."""
     rows, columns = picture.shape[:2]
     scalar, texels = picture.dtype.type, picture.reshape(rows * columns, 4)
-    right, down, half = scalar(columns / width), scalar(rows / height), scalar(0.5)
+    down, half = scalar(rows / height), scalar(0.5)
+    firsts, shares = np.empty(width, dtype=np.int64), np.empty(width, dtype=picture.dtype)
+    places_along(columns, firsts, shares)
     out = np.empty((height, width, 4), dtype=picture.dtype)
     for y in prange(height):
-        row, source, v = borrow(out)[y], borrow(texels), (scalar(y) + half) * down
-        for x in range(width):
-            read_to(source, (rows, columns), (scalar(np.int32(x)) + half) * right, v, row, x)
+        lines = texels_around((scalar(y) + half) * down, rows)
+        read_run(borrow(texels), columns, lines, (borrow(firsts), borrow(shares)), (0, width), borrow(out)[y])
     return out
+
+
+@inline
+def places_along(size, firsts, shares):
+    """Of a line of `size` texels: the first of the two around each pixel's centre, and the second one's weight, (X,)."""
+    scalar = shares.dtype.type
+    along, half = scalar(size / len(firsts)), scalar(0.5)
+    for x in range(len(firsts)):
+        firsts[x], shares[x] = first_of_two((scalar(np.int32(x)) + half) * along, size)
+
+
+@inline
+def read_run(texels, columns, lines, places, run, out):
+    """Read pixels begin .. end of a row, `run`, to the first rows of out (N, 4); picture (H columns, 4).
+
+    lines are `texels_around` the row's centre, places what `places_along` found.
+    """
+    (upper, lower, between), (firsts, shares), (begin, end) = lines, places, run
+    for x in range(begin, end):
+        i, k = firsts[x], min(firsts[x] + 1, columns - 1)
+        a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
+        blend_to(texels, a, b, c, d, shares[x], between, out, x - begin)
 
 
 @kernel
