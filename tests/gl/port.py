@@ -8,10 +8,11 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from refdof.stages import Staged
 from tests.gl import shader
 from tests.ports.cases import mutated
 
-__all__ = ["Prepared", "drawn", "is_caught", "prepared", "source_of", "with_fault"]
+__all__ = ["Prepared", "drawn", "is_caught", "prepared", "source_of", "tolerances_off", "with_fault"]
 
 _FOLDER = Path(__file__).parents[2] / "ports" / "glsl"
 
@@ -33,6 +34,14 @@ def is_caught(cases: Iterable[np.ndarray]) -> bool:
     Two tolerances: a fault must be told from a right port, and not just. NaN is a fault, too.
     """
     return any(not (np.asarray(worst) <= 2.0).all() for worst in cases)
+
+
+def tolerances_off(
+    found: tuple[Mapping[str, Any], Any], answer: Staged, tolerances: Mapping[str, float]
+) -> list[float]:
+    """How many tolerances each of these stages is off at its worst, and the picture, "image"; `found` is a port's."""
+    ours, theirs = {**answer.stages, "image": answer.image}, {**found[0], "image": found[1]}
+    return [float(np.abs(theirs[name] - ours[name]).max() / room) for name, room in tolerances.items()]
 
 
 @dataclass(frozen=True, eq=False)

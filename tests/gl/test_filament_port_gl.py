@@ -7,7 +7,7 @@ import pytest
 
 from refdof.methods import filament
 from tests.gl import engine_ports
-from tests.gl.port import drawn, is_caught, with_fault
+from tests.gl.port import drawn, is_caught, tolerances_off, with_fault
 
 pytestmark = pytest.mark.gl
 
@@ -16,7 +16,7 @@ SOURCES = engine_ports.SOURCES["filament"]
 # of 81 taps, and quotients of such sums, add their roundings, 81 * 2^-24 = 5e-6. A distance is rounded to 2^-24 of 32
 # px, 2e-6 px, which is as much of a tap's share. Bilinear places are rounded as much.
 HALF, GATHERED, PICTURE = 3e-7, 5e-6, 5e-6
-STAGES = {"half": HALF, "least": 1e-30, "greatest": 1e-30, "gathered": GATHERED, "median": GATHERED}
+STAGES = {"half": HALF, "least": 1e-30, "greatest": 1e-30, "gathered": GATHERED, "median": GATHERED, "image": PICTURE}
 EDGE = 2e-5  # texels, from the edge between two: which is the nearest one is not certain; and of a level, the same
 
 FAULTS = {
@@ -143,8 +143,7 @@ def outside(context, case, answer, sources=SOURCES):
 
     stages, picture = engine_ports.filament(partial(drawn, context), *case, sources, settled)
     stages["gathered"] = settled(stages["gathered"])
-    worst = [np.abs(stages[name] - answer.stages[name]).max() / tolerance for name, tolerance in STAGES.items()]
-    return [*worst, np.abs(picture - answer.image).max() / PICTURE]
+    return tolerances_off((stages, picture), answer, STAGES)
 
 
 def test_every_stage_and_pixel(context, answers):

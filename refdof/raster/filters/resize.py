@@ -31,7 +31,7 @@ def resize(picture, height, width):
 
 @inline
 def places_along(size, firsts, shares):
-    """Of a line of `size` texels: the first of the two around each pixel's centre, and the second one's weight, (X,)."""
+    """Of a line of `size` texels: the first of the two around each pixel's centre, and the second's weight, (X,)."""
     scalar = shares.dtype.type
     along, half = scalar(size / len(firsts)), scalar(0.5)
     for x in range(len(firsts)):
