@@ -6,6 +6,7 @@ Tiles of a row that take as many rings are done together, `MOST_LANES` pixels at
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.order import spread
 from refdof._jit.texel_lanes import LANES
 from refdof.methods.filament.alike import alike
 from refdof.methods.filament.background import background
@@ -38,23 +39,25 @@ def gather(texels, places, least, greatest, moved, most_rings):
 def _gather(texels, levels, circles, rings, moved, most_rings, table):
     """circles and rings (3, h / 8, w / 8): of what is alike, behind and before; no rings where there is nothing."""
     height, width = moved.shape[:2]
-    out = np.empty((height, width, 4), dtype=texels.dtype)
-    for y in prange(height):
+    out, bands = np.zeros((height, width, 4), dtype=texels.dtype), height // TILE
+    step = spread(bands)
+    for turn in prange(bands):
+        band = turn * step % bands
         whole, numbers = np.empty((5, MOST_LANES), dtype=np.int32), np.empty((32, MOST_LANES), dtype=texels.dtype)
         places, shares = np.empty((2, RING_TAPS), dtype=np.int32), np.empty((2, RING_TAPS), dtype=texels.dtype)
-        picture = borrow(texels), borrow(levels), borrow(table), borrow(moved)[y]
         sums = np.empty((1, 4), dtype=texels.dtype)
-        buffers, row = (borrow(whole), borrow(numbers)), borrow(out)[y]
-        spare = borrow(places), borrow(shares), borrow(sums)
-        row[:, :] = texels.dtype.type(0)
-        for tile in range(width // TILE):
-            many, pixels = rings[_ALIKE, y // TILE, tile], (TILE * tile, TILE * (tile + 1), y)
-            if many > 0:
-                alike(picture, pixels, circles[_ALIKE, y // TILE, tile], many, spare, row)
-        for sort in (_BEHIND, _BEFORE):
-            tiles = borrow(rings)[sort, y // TILE], borrow(circles)[sort, y // TILE]
-            for many in range(1, most_rings + 1):
-                _layer(picture, tiles, (sort, many, y), buffers, row)
+        buffers, spare = (borrow(whole), borrow(numbers)), (borrow(places), borrow(shares), borrow(sums))
+        for y in range(TILE * band, TILE * (band + 1)):
+            picture, row = (borrow(texels), borrow(levels), borrow(table), borrow(moved)[y]), borrow(out)[y]
+            for tile in range(width // TILE):
+                many = rings[_ALIKE, band, tile]
+                if many > 0:
+                    pixels = TILE * tile, TILE * (tile + 1), y
+                    alike(picture, pixels, circles[_ALIKE, band, tile], many, spare, row)
+            for sort in (_BEHIND, _BEFORE):
+                tiles = borrow(rings)[sort, band], borrow(circles)[sort, band]
+                for many in range(1, most_rings + 1):
+                    _layer(picture, tiles, (sort, many, y), buffers, row)
     return out
 
 

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
+from refdof._jit.order import spread
 from refdof.methods.ringgather.prefilter import BEFORE, BEHIND, CIRCLE, LEAST_AREA
 
 __all__ = ["rings"]
@@ -28,7 +29,9 @@ def rings(planes, margin, greatest, least, side, taps, gain):
     """
     (height, width), scalar = (len(planes), planes.shape[2] - 2 * margin), planes.dtype.type
     out = np.empty((height, width, 4), dtype=planes.dtype)
-    for band in prange(len(greatest)):
+    step = spread(len(greatest))
+    for turn in prange(len(greatest)):
+        band = turn * step % len(greatest)
         most, lowest, source, picture = borrow(greatest)[band], borrow(least)[band], borrow(planes), borrow(out)
         sums, offsets = np.empty(_END, dtype=planes.dtype), np.empty((_TAPS, 4), dtype=np.int64)
         weights, table, first = np.empty((_TAPS, 6), dtype=planes.dtype), borrow(taps), 0
