@@ -781,7 +781,7 @@ INNER_MODULES = {
     "methods.filament.alike", "methods.filament.background", "methods.filament.combine", "methods.filament.foreground",
     "methods.filament.lanes", "methods.filament.rings",
     "methods.halfres.circles", "methods.halfres.gather", "methods.ringgather.gather",
-    "methods.ringgather.prefilter", "methods.ringgather.upsample",
+    "methods.ringgather.prefilter", "methods.ringgather.taken", "methods.ringgather.upsample",
     "methods.cascaded.blend", "methods.cascaded.gaussian", "methods.cascaded.layers", "methods.cascaded.fast_blurs",
     "methods.lensblur.footprint", "methods.lensblur.layer_trace", "methods.lensblur.texel_walk",
     "methods.lensblur.tile_color", "methods.lensblur.tile_rays", "methods.lensblur.tile_walk",

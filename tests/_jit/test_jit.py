@@ -387,14 +387,16 @@ def test_a_tap_is_blended_by_its_blur_and_weighed(center, dtype):
 def blend_rows(texels, across, down, share, out):
     texel_registers.blend_to(texels, 0, 1, 2, 3, across, down, out, 0)
     texel_registers.blend_over(texels, 0, 1, 2, 3, across, down, share, out, 1)
+    texel_registers.blend_pair(texels, 2, 1, across, out, 2)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_blends_are_written_and_laid_over(dtype):
-    texels, out = np.random.default_rng(6).random((4, 4)).astype(dtype), np.full((2, 4), 2.0, dtype)
+    texels, out = np.random.default_rng(6).random((4, 4)).astype(dtype), np.full((3, 4), 2.0, dtype)
     blend_rows(texels, dtype(0.25), dtype(0.5), dtype(0.75), out)
     expected = np.array([0.375, 0.125, 0.375, 0.125]) @ texels.astype(float)
-    np.testing.assert_allclose(out, [expected, 0.5 + 0.75 * expected], rtol=16 * np.finfo(dtype).eps)
+    pair = np.array([0.0, 0.25, 0.75, 0.0]) @ texels.astype(float)
+    np.testing.assert_allclose(out, [expected, 0.5 + 0.75 * expected, pair], rtol=16 * np.finfo(dtype).eps)
 
 
 def test_passes_for_kernels_take_the_tests_of_every_room_that_has_some():

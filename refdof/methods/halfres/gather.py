@@ -104,15 +104,16 @@ def _composite(color, far, near, blurs, added, out):
     down, half = scalar(rows / height), scalar(0.5)
     first, share = np.empty(width, dtype=np.int64), np.empty(width, dtype=color.dtype)
     places_along(columns, first, share)
-    behind, before = far.reshape(rows * columns, 4), near.reshape(rows * columns, 4)
+    behind, before = far.reshape(rows, 4 * columns), near.reshape(rows, 4 * columns)
     sharp, picture = color.reshape(height, 3 * width), out.reshape(height, 3 * width)
     for y in prange(height):
         two, places = np.empty((2, _RUN, 4), dtype=color.dtype), (borrow(first), borrow(share))
+        between = np.empty((columns, 4), dtype=color.dtype)
         lines = texels_around((scalar(y) + half) * down, rows)
         for start in range(0, width, _RUN):
             end = min(start + _RUN, width)
-            read_run(borrow(behind), columns, lines, places, (start, end), two[0])
-            read_run(borrow(before), columns, lines, places, (start, end), two[1])
+            read_run(borrow(behind), lines, places, (start, end), borrow(between), two[0])
+            read_run(borrow(before), lines, places, (start, end), borrow(between), two[1])
             source, row = borrow(sharp)[y, 3 * start : 3 * end], borrow(picture)[y, 3 * start : 3 * end]
             if added:
                 kept = blurs[0, y, start:end], blurs[1, y, start:end]

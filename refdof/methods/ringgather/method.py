@@ -1,7 +1,7 @@
 """Ring gather: rings of taps at half the size, sorted by depth into near and far; as in Wicked Engine.
 
 1. Circles without sign, in pixels of half the size; least and greatest of tiles and of those around
-                                                                            `prefilter.circles`, `_around`
+                                                                                          `taken.taken`
 2. Prefilter, and sort by depth: how much of a pixel's light is near        `prefilter.prefilter`
 3. Sum taps that reach the pixel, near and far, and lay near over far       `gather.rings`
 4. Median of nine                                                           `refdof.raster.filters.median`
@@ -26,26 +26,21 @@ References
 .. [2] Wicked Engine (2025), WickedEngine/shaders/depthoffield_*.hlsl.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from refdof._check import Float, as_instance
-from refdof.image.channels import joined
 from refdof.methods._contract import Method
 from refdof.methods._image_validation import as_images, depth_in_unit, within
 from refdof.methods.ringgather.gather import rings
 from refdof.methods.ringgather.params import TILE, Params, from_working, points, to_working
-from refdof.methods.ringgather.prefilter import circles, prefilter
+from refdof.methods.ringgather.prefilter import prefilter
+from refdof.methods.ringgather.taken import taken
 from refdof.methods.ringgather.upsample import upsampled
 from refdof.raster.filters.median import median
-from refdof.raster.filters.tiles import tiles_of
 from refdof.stages import Stage, Staged, StageRecorder, Stages, as_stages
 from refdof.view import View
 
 __all__ = ["METHOD", "Params", "blur", "render", "texture_reads"]
-
-_FARTHEST = 1e30
 
 
 def texture_reads(params: Params, width: int, height: int) -> float:
@@ -129,39 +124,25 @@ def blur(
     return recorder.answer(_blur(*as_images(color, depth, coc), params, recorder))
 
 
-class _Around(NamedTuple):
-    """Nearest depth, greatest and least circle of tiles and of those around."""
-
-    nearest: Float
-    greatest: Float
-    least: Float
-
-
-def _around(depth: Float, circle: Float) -> _Around:
-    found = tiles_of(circle, TILE).dilated()
-    return _Around(tiles_of(depth, TILE).dilated().least, found.greatest, found.least)
-
-
 def _blur(color: Float, depth: Float, coc: Float, params: Params, recorder: StageRecorder) -> Float:
     """`blur` after validation."""
     kind = color.dtype.type
-    depth, circle = np.minimum(depth_in_unit(kind, depth), kind(_FARTHEST)), circles(coc, params.largest_px)
-    around = _around(depth, circle)
+    depth = depth_in_unit(kind, depth)
+    texels, circle, nearest, greatest, least = taken(to_working(color, params.working), depth, coc, params.largest_px)
     taps, side = points(params.fill).astype(kind), TILE // 2
-    margin = int(np.ceil(around.greatest.max() * np.abs(taps).max())) + 2
-    working = to_working(color, params.working)
-    planes = prefilter(joined(working, depth), circle, around.nearest, taps, side, margin, params.foreground)
-    summed = rings(planes, margin, around.greatest, around.least, side, taps, params.gain)
+    margin = int(np.ceil(greatest.max() * np.abs(taps).max())) + 2
+    planes = prefilter(texels, circle, nearest, taps, side, margin, params.foreground)
+    summed = rings(planes, margin, greatest, least, side, taps, params.gain)
     smooth = median(summed)
     recorder.record("coc", lambda: coc)
     recorder.record("circle", lambda: circle)
-    recorder.record("nearest", lambda: around.nearest)
-    recorder.record("greatest", lambda: around.greatest)
-    recorder.record("least", lambda: around.least)
+    recorder.record("nearest", lambda: nearest)
+    recorder.record("greatest", lambda: greatest)
+    recorder.record("least", lambda: least)
     recorder.record("filtered", lambda: _picture_of(planes[:, :3, margin:-margin]))
     recorder.record("rings", lambda: summed)
     recorder.record("median", lambda: smooth)
-    return upsampled(color, from_working(smooth, params.working), circle, depth, around.greatest, around.nearest, TILE)
+    return upsampled(color, from_working(smooth, params.working), circle, depth, greatest, nearest, TILE)
 
 
 def _picture_of(planes: Float) -> Float:

@@ -11,26 +11,18 @@ import numpy as np
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
 from refdof._jit.texel_sums import add_blend
-from refdof.image.bilinear import first_of_two, four_around
+from refdof.image.bilinear import first_of_two
 
-__all__ = ["BEFORE", "BEHIND", "CIRCLE", "LEAST_AREA", "circles", "prefilter"]
+__all__ = ["BEFORE", "BEHIND", "CIRCLE", "LEAST_AREA", "prefilter"]
 
 CIRCLE, BEHIND, BEFORE = 3, 4, 5  # planes, after three of colour
 LEAST_AREA = math.pi * 0.7071**2  # of a circle that a tap shares its light over
 _POINTS = 8  # of the first ring
 _RUN = 128  # px, whose sums stay in the nearest cache
-
-
-@kernel
-def circles(coc, largest_px):
-    """Circles of confusion (H, W) px without sign, cut, in pixels of half the size."""
-    scalar, out = coc.dtype.type, np.empty_like(coc)
-    largest, half = scalar(largest_px), scalar(0.5)
-    for y in prange(len(coc)):
-        row, source = borrow(out)[y], borrow(coc)[y]
-        for x in range(len(row)):
-            row[x] = min(abs(source[x]), largest) * half
-    return out
+# Rows of what a tap reads: the first of four texels, and how far the next ones are from it to the right and below; the
+# nearest one. Weights of the second ones across and down, of the tap, and of the pixel itself.
+_FIRST, _RIGHT, _BELOW, _NEAREST = range(4)
+_ACROSS, _DOWN, _WEIGHT, _KEPT = range(4)
 
 
 def prefilter(
@@ -62,18 +54,17 @@ def _prefilter(picture, circle, nearest, taps, side, margin, foreground, out):
         for tile in range(nearest.shape[1]):
             run = slice(tile * side, min((tile + 1) * side, columns))
             _sort(depth[run], radius[run], nearest[y // side, tile], foreground, behind[run], before[run])
-        sums, kept = np.empty((_RUN, 4), dtype=picture.dtype), np.empty(_RUN, dtype=picture.dtype)
-        texel, share = np.empty(4 * _RUN, dtype=np.int32), np.empty(2 * _RUN, dtype=picture.dtype)
+        sums, texel = np.empty((_RUN, 4), dtype=picture.dtype), np.empty((4, _RUN), dtype=np.int32)
+        share = np.empty((4, _RUN), dtype=picture.dtype)
         for start in range(0, columns, _RUN):
             run, count = slice(start, min(start + _RUN, columns)), min(_RUN, columns - start)
-            sums[:], kept[:] = picture.dtype.type(0), picture.dtype.type(1)
+            sums[:], share[_KEPT] = picture.dtype.type(0), picture.dtype.type(1)
             for k in range(_POINTS + 1):
                 tap = (taps[k, 0], taps[k, 1]) if k < _POINTS else (picture.dtype.type(0), picture.dtype.type(0))
-                _find(radius[run], (start, y), tap, (height, width), (rows, columns), texel, share)
+                _find(radius[run], (start, y), tap, (height, width), (rows, columns), borrow(texel), borrow(share))
                 if k < _POINTS:
-                    _add_tap(texels, (height, width), depth[run], texel, share, kept, sums)
-                else:
-                    _add_own(texels, (height, width), texel, share, kept[:count], sums)
+                    _weigh(texels, depth[run], borrow(texel), borrow(share))
+                _add(texels, count, borrow(texel), borrow(share), _WEIGHT if k < _POINTS else _KEPT, sums)
             for n in range(3):
                 _divide(sums[:count], n, planes[n, margin + start : margin + start + count])
         for n in range(6):
@@ -94,44 +85,44 @@ def _sort(depth, circle, nearest, foreground, behind, before):
 
 @inline
 def _find(circle, corner, tap, size, half_size, texel, share):
-    """Places of a tap at half of each pixel's circle: columns and rows of the first of two texels and of the nearest.
+    """Where a tap at half of each pixel's circle is read: rows of texel (4, _RUN) and of share, as named above.
 
-    corner: x and y of the first pixel; texel (4 runs) has the four, share (2 runs) the weights of the second ones.
+    corner: x and y of the first pixel; tap [circles]; sizes (height, width).
     """
     scalar, half = circle.dtype.type, circle.dtype.type(0.5)
     right, down = scalar(size[1] / half_size[1]), scalar(size[0] / half_size[0])
-    v = scalar(corner[1]) + half
+    v, wide, last = scalar(corner[1]) + half, np.int32(size[1]), (np.int32(size[1] - 1), np.int32(size[0] - 1))
     for x in range(len(circle)):
         reach = half * circle[x]
         i, j = (scalar(np.int32(corner[0] + x)) + half + reach * tap[0]) * right, (v + reach * tap[1]) * down
-        texel[x], share[x] = first_of_two(i, size[1])
-        texel[_RUN + x], share[_RUN + x] = first_of_two(j, size[0])
-        texel[2 * _RUN + x], texel[3 * _RUN + x] = _texel(i, size[1]), _texel(j, size[0])
+        column, share[_ACROSS, x] = first_of_two(i, size[1])
+        row, share[_DOWN, x] = first_of_two(j, size[0])
+        texel[_FIRST, x] = row * wide + column
+        texel[_RIGHT, x] = np.int32(1) if column < last[0] else np.int32(0)
+        texel[_BELOW, x] = wide if row < last[1] else np.int32(0)
+        texel[_NEAREST, x] = _texel(j, size[0]) * wide + _texel(i, size[1])
 
 
 @inline
-def _add_tap(texels, size, depth, texel, share, kept, sums):
-    """Add a tap to sums (X, 4) by how near in depth it is; what it leaves is added to what the pixel itself counts."""
+def _weigh(texels, depth, texel, share):
+    """Weigh a tap by how near in depth it is; what it leaves is added to what the pixel itself counts."""
     scalar = texels.dtype.type
+    two, one = scalar(2), scalar(1)
     for x in range(len(depth)):
-        nearest = np.int64(texel[3 * _RUN + x]) * size[1] + np.int64(texel[2 * _RUN + x])
-        other = min(scalar(2) * abs(texels[nearest, 3] - depth[x]), scalar(1))
-        kept[x] += other
-        _read(texels, size, texel, share, x, scalar(1) - other, sums)
+        share[_WEIGHT, x] = texels[texel[_NEAREST, x], 3]
+    for x in range(len(depth)):
+        other = min(two * abs(share[_WEIGHT, x] - depth[x]), one)
+        share[_WEIGHT, x] = one - other
+        share[_KEPT, x] += other
 
 
 @inline
-def _add_own(texels, size, texel, share, kept, sums):
-    """Add the pixel itself as often as it counts."""
-    for x in range(len(kept)):
-        _read(texels, size, texel, share, x, kept[x], sums)
-
-
-@inline
-def _read(texels, size, texel, share, x, weight, sums):
-    column, row = np.int64(texel[x]), np.int64(texel[_RUN + x])
-    a, b, c, d = four_around(0, size[1], size[0], column, row)
-    add_blend(sums, x, weight, texels, a, b, c, d, share[x], share[_RUN + x])
+def _add(texels, count, texel, share, weight, sums):
+    """Add reads to sums (X, 4), each by a row of share."""
+    for x in range(count):
+        first, right, below = np.int64(texel[_FIRST, x]), np.int64(texel[_RIGHT, x]), np.int64(texel[_BELOW, x])
+        a, b, c, d = first, first + right, first + below, first + below + right
+        add_blend(sums, x, share[weight, x], texels, a, b, c, d, share[_ACROSS, x], share[_DOWN, x])
 
 
 @inline

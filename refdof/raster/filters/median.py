@@ -33,12 +33,15 @@ def median(picture):
 
 @inline
 def _medians(upper, middle, lower, channels, out):
-    """Medians of a row but for its first and last texel."""
-    for k in range(channels, len(out) - channels):
-        out[k] = _median(
-            (upper[k - channels], upper[k], upper[k + channels]),
-            (middle[k - channels], middle[k], middle[k + channels]),
-            (lower[k - channels], lower[k], lower[k + channels]),
+    """Medians of a row but for its first and last texel. Parts that begin at 0 are read without a test for the sign."""
+    end, target = len(out) - 2 * channels, out[channels:]
+    upper_here, middle_here, lower_here = upper[channels:], middle[channels:], lower[channels:]
+    upper_right, middle_right, lower_right = upper_here[channels:], middle_here[channels:], lower_here[channels:]
+    for k in range(end):
+        target[k] = _median(
+            (upper[k], upper_here[k], upper_right[k]),
+            (middle[k], middle_here[k], middle_right[k]),
+            (lower[k], lower_here[k], lower_right[k]),
         )
 
 

@@ -8,7 +8,7 @@
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.texel_registers import blend_to
+from refdof._jit.texel_registers import blend_pair
 from refdof.image.bilinear import add_read, first_of_two, texels_around
 
 __all__ = ["corner_means", "places_along", "read_run", "resize"]
@@ -18,14 +18,14 @@ __all__ = ["corner_means", "places_along", "read_run", "resize"]
 def resize(picture, height, width):
     """Picture (H, W, 4) -> (height, width, 4) of its type; reads beyond the edge repeat it."""
     rows, columns = picture.shape[:2]
-    scalar, texels = picture.dtype.type, picture.reshape(rows * columns, 4)
+    scalar, flat = picture.dtype.type, picture.reshape(rows, 4 * columns)
     down, half = scalar(rows / height), scalar(0.5)
     firsts, shares = np.empty(width, dtype=np.int64), np.empty(width, dtype=picture.dtype)
     places_along(columns, firsts, shares)
     out = np.empty((height, width, 4), dtype=picture.dtype)
     for y in prange(height):
-        lines = texels_around((scalar(y) + half) * down, rows)
-        read_run(borrow(texels), columns, lines, (borrow(firsts), borrow(shares)), (0, width), borrow(out)[y])
+        between, lines = np.empty((columns, 4), dtype=picture.dtype), texels_around((scalar(y) + half) * down, rows)
+        read_run(borrow(flat), lines, (borrow(firsts), borrow(shares)), (0, width), borrow(between), borrow(out)[y])
     return out
 
 
@@ -39,16 +39,24 @@ def places_along(size, firsts, shares):
 
 
 @inline
-def read_run(texels, columns, lines, places, run, out):
-    """Read pixels begin .. end of a row, `run`, to the first rows of out (N, 4); picture (H columns, 4).
+def read_run(rows, lines, places, run, between, out):
+    """Read pixels begin .. end of a row, `run`, to the first rows of out (N, 4); picture (H, 4 W).
 
-    lines are `texels_around` the row's centre, places what `places_along` found.
+    lines are `texels_around` the row's centre, places what `places_along` found; between (W, 4) is overwritten.
     """
-    (upper, lower, between), (firsts, shares), (begin, end) = lines, places, run
+    (upper, lower, down), (firsts, shares), (begin, end) = lines, places, run
+    last = rows.shape[1] // 4 - 1
+    first, final = firsts[begin], min(firsts[end - 1] + 1, last)
+    part = slice(4 * first, 4 * final + 4)
+    _blend_rows(rows[upper, part], rows[lower, part], down, between.reshape(-1)[part])
     for x in range(begin, end):
-        i, k = firsts[x], min(firsts[x] + 1, columns - 1)
-        a, b, c, d = upper * columns + i, upper * columns + k, lower * columns + i, lower * columns + k
-        blend_to(texels, a, b, c, d, shares[x], between, out, x - begin)
+        blend_pair(between, firsts[x], min(firsts[x] + 1, last), shares[x], out, x - begin)
+
+
+@inline
+def _blend_rows(upper, lower, share, out):
+    for k in range(len(out)):
+        out[k] = upper[k] + (lower[k] - upper[k]) * share
 
 
 @kernel
