@@ -3,8 +3,8 @@ PYTHON ?= python3
 SECONDS ?= 600
 BIN := .venv/bin
 # A worker per core, two threads each: several tests compare one thread with two. Files stay whole, so that a file's
-# shared references are rendered once.
-PYTEST := NUMBA_NUM_THREADS=2 $(BIN)/python -m pytest -n auto --dist loadfile
+# shared references are rendered once, and come in the order of tests/conftest.py.
+PYTEST := NUMBA_NUM_THREADS=2 $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
 INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable
 # pip compiles one file after the other, the tests of packages too, which takes longer than all else that it does.

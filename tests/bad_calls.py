@@ -798,6 +798,8 @@ INNER = {
     "refdof.testing.promises.chosen",
     "refdof.methods.halfres.params.points",
     "refdof.methods.ringgather.params.points",
+    "refdof.methods.ringgather.params.from_working",
+    "refdof.methods.ringgather.params.to_working",
     "refdof.frame.depth_kinds.planar_of",
     "refdof.frame.depth_kinds.ray_lengths",
     "refdof.frame.frame.FrameView",
