@@ -30,8 +30,9 @@ mutants: .venv/test  ## plant faults and see which tests find them, about an hou
 fuzz: .venv/fuzz  ## spoil what files and options hold, for SECONDS (600); findings are kept in build/fuzz/
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.fuzz.run --seconds $(SECONDS)
 
+# Checks need no fast code, which takes longer to compile.
 bounds: .venv/test  ## of the same tests those of kernels, compiled with bounds checks
-	NUMBA_BOUNDSCHECK=1 $(PYTEST) -m "fast" $(shell cat .ci/kernel_rooms)
+	NUMBA_BOUNDSCHECK=1 NUMBA_OPT=1 $(PYTEST) -m "fast" $(shell cat .ci/kernel_rooms)
 
 lint: .venv/test  ## style, types and import layers
 	$(BIN)/ruff check .
