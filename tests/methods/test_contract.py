@@ -14,6 +14,7 @@ from tests.closed_forms import half_disc
 pytestmark = pytest.mark.fast
 
 ROOT = Path(__file__).parents[2]
+BY_RAYS = ("accumulation", "lensblur", "multiview")  # seconds without compiling
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y=40.0, size=(24, 16))
 
 
@@ -27,8 +28,10 @@ def flat_scene(*parts, radius=0.25, focus=4.0, background=(0.0, 0.0, 0.0), camer
     return Scene.from_parts("stage", parts, camera, ThinLens(radius, focus), background)
 
 
-def promising(promise):
-    return [name for name, module in METHODS.items() if promise in module.METHOD.promises]
+def methods(promise=None):
+    """Names of methods, of those that promise something, to be tried."""
+    names = [name for name, module in METHODS.items() if promise is None or promise in module.METHOD.promises]
+    return [pytest.param(name, marks=pytest.mark.long) if name in BY_RAYS else name for name in names]
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -55,7 +58,7 @@ def test_same_door(name):
         assert re.fullmatch(r"[A-Z][^\n]{10,120}\.", sentence)
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", methods())
 def test_picture_is_finite_float32(name):
     scene = flat_scene(quad(-1, -1, 0.2, 1, 1.0, (0.8, 0.2, 0.1)), background=(0.1, 0.2, 0.3))
     image = render(name, scene).image
@@ -75,28 +78,28 @@ def test_stages_are_those_that_are_declared(name):
     assert all(any(entry.names(stage) for stage in found) for entry in declared)
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", methods())
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (13, 1)])
 def test_degenerate_sizes(name, size):
     scene = flat_scene(quad(-1, -1, 1, 1, 0.0, (0.5, 0.5, 0.5)))
     assert render(name, scene, CAMERA.with_size(size)).image.shape == (size[1], size[0], 3)
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", methods())
 def test_scene_behind_the_camera_is_background(name):
     image = render(name, flat_scene(quad(-1, -1, 1, 1, 9.0, (1, 0, 0)), background=(0.25, 0.5, 0.75))).image
     # 4 ulp: running means of one colour may round.
     np.testing.assert_allclose(image, np.broadcast_to([0.25, 0.5, 0.75], image.shape), rtol=5e-7)
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", methods())
 def test_unknown_parameter_names_the_nearest(name):
     field = fields(METHODS[name].Params)[0].name
     with pytest.raises(InputError, match=f"did you mean '{field}'"):
         render(name, flat_scene(), **{field + "s": 1})
 
 
-@pytest.mark.parametrize("name", promising("constant"))
+@pytest.mark.parametrize("name", methods("constant"))
 def test_constant(name):
     color = (0.3, 0.6, 0.9)
     scene = flat_scene(quad(-9, -9, 0, 9, 2.0, color), quad(-9, -9, 9, 9, -3.0, color), background=color)
@@ -105,7 +108,7 @@ def test_constant(name):
     np.testing.assert_allclose(image, np.broadcast_to(color, image.shape), rtol=1e-5)
 
 
-@pytest.mark.parametrize("name", promising("pinhole"))
+@pytest.mark.parametrize("name", methods("pinhole"))
 def test_pinhole(name):
     scene = flat_scene(quad(-9, -9, 0.2, 9, 1.0, (0.8, 0.2, 0.1)), radius=0.0, background=(0.1, 0.2, 0.3))
     image = render(name, scene).image
@@ -116,14 +119,14 @@ def test_pinhole(name):
     np.testing.assert_allclose(row[edge:], np.broadcast_to([0.1, 0.2, 0.3], (24 - edge, 3)), rtol=1e-5)
 
 
-@pytest.mark.parametrize("name", promising("focus"))
+@pytest.mark.parametrize("name", methods("focus"))
 def test_focus(name):
     cards = [quad(-9, -9, 0.3, 9, 0.0, (0.8, 0.2, 0.1)), quad(0.3, -9, 9, 9, 0.0, (0.1, 0.9, 0.5))]
     sharp = render(name, flat_scene(*cards, radius=0.0)).image
     np.testing.assert_allclose(render(name, flat_scene(*cards, radius=0.5)).image, sharp, rtol=1e-5)  # as above
 
 
-@pytest.mark.parametrize("name", promising("convexity"))
+@pytest.mark.parametrize("name", methods("convexity"))
 def test_convexity(name):
     cards = [quad(-1, -9, 0.1, 9, 1.5, (0.9, 0.9, 0.9)), quad(-9, -9, 9, 9, -4.0, (0.2, 0.2, 0.2))]
     image = render(name, flat_scene(*cards, radius=0.4)).image
@@ -131,7 +134,7 @@ def test_convexity(name):
     assert image.max() <= 0.9 * (1 + 1e-5)
 
 
-@pytest.mark.parametrize("name", promising("energy"))
+@pytest.mark.parametrize("name", methods("energy"))
 def test_energy(name):
     half = 3.0 * 4.0 / CAMERA.pixels_per_tangent  # a lamp of 6 x 6 pixels in the middle of the picture
     lamp = quad(-half, -half, half, half, 0.0, (0, 0, 0), emission=(5.0, 5.0, 5.0))
@@ -141,7 +144,7 @@ def test_energy(name):
     assert blurred == pytest.approx(36 * 5.0, abs=4 * 1.7)
 
 
-@pytest.mark.parametrize("name", promising("symmetry"))
+@pytest.mark.parametrize("name", methods("symmetry"))
 def test_symmetry(name):
     def cards(sign):
         low, high = sorted((-1.0 * sign, 0.2 * sign))
@@ -153,7 +156,7 @@ def test_symmetry(name):
     assert abs(difference.mean()) < 0.003  # 384 pixels, half of them blurred
 
 
-@pytest.mark.parametrize("name", promising("occlusion"))
+@pytest.mark.parametrize("name", methods("occlusion"))
 def test_occlusion(name):
     half = 2.0 / CAMERA.pixels_per_tangent  # one pixel at depth 2: the bar covers two columns whole
     bar = quad(-half, -9, half, 9, 2.0, (0, 0, 0))

@@ -41,13 +41,13 @@ def _take(color, depth, coc, largest_px, side, out, depths, circles):
     (height, width), scalar = coc.shape, coc.dtype.type
     largest, far = scalar(largest_px), scalar(FARTHEST)
     for tile in prange(len(circles[0])):
-        texels, circle, part = borrow(out[0]), borrow(out[1]), slice(tile * side, min((tile + 1) * side, height))
-        near = np.empty((side, width), dtype=coc.dtype)
-        for y in range(tile * side, min((tile + 1) * side, height)):
-            _join(borrow(color)[y], borrow(depth)[y], far, texels[y], near[y - tile * side])
+        first, end = tile * side, min((tile + 1) * side, height)
+        texels, circle, near = borrow(out[0]), borrow(out[1]), np.empty((end - first, width), dtype=coc.dtype)
+        for y in range(first, end):
+            _join(borrow(color)[y], borrow(depth)[y], far, texels[y], near[y - first])
             _shrink(borrow(coc)[y], largest, circle[y])
-        reduce_row(near[: part.stop - part.start], side, borrow(depths[0])[tile], borrow(depths[1])[tile])
-        reduce_row(circle[part], side, borrow(circles[0])[tile], borrow(circles[1])[tile])
+        reduce_row(near, side, borrow(depths[0])[tile], borrow(depths[1])[tile])
+        reduce_row(circle[first:end], side, borrow(circles[0])[tile], borrow(circles[1])[tile])
 
 
 @inline
