@@ -35,7 +35,8 @@ def scenes(as_json: AsJson = False) -> None:
 def methods(as_json: AsJson = False) -> None:
     """List the methods: sources, inputs, texture reads, parameters.
 
-    It also tells known defects, and where a method's paper sets other parameters.
+    It also tells known defects, where a method's paper sets other parameters, and what a method makes of a small light
+    where all is blurred by a circle of 8 px: its RMS radius over the disc's, and its energy over the light's own.
 
     Texture reads are counted for the image size of the default scene.
     """
@@ -50,6 +51,9 @@ def methods(as_json: AsJson = False) -> None:
             f"Needs {', '.join(method.inputs)}; {reads}.",
             in_words(method.defaults()),
         ]
+        if method.kernel:
+            radius, energy = method.kernel
+            about.append(f"A light of 1 px, circles of 8: radius {radius:.2f} of the disc's, energy {energy:.2f}.")
         if method.paper:
             about.append(f"paper: {in_words(method.paper)}")
         about += [f"- {defect}" for defect in method.known_defects]

@@ -39,6 +39,9 @@ def test_scenes_and_methods_list_the_registry():
         assert f" {method.source} ({method.basis}). " in " ".join(block.split()), method.source
         lines = [line[6:] for line in block.splitlines() if line.startswith("    - ")]
         assert lines == list(method.known_defects)
+        assert re.search(r"radius (\S+) of the disc's, energy (\S+)\.$", block, re.MULTILINE).groups() == tuple(
+            f"{number:.2f}" for number in method.kernel
+        )
     assert {module.METHOD.basis for module in METHODS.values()} == set(BASES)
 
 

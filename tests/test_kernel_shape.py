@@ -108,6 +108,12 @@ def test_rays_spread_light_over_the_disc(name):
     assert found.anisotropy < 2 / 64
 
 
+@pytest.mark.parametrize("name", METHODS)
+def test_records_tell_what_is_measured(name):
+    found = kernel_shape(name)
+    assert (found.radius, found.energy) == pytest.approx(METHODS[name].METHOD.kernel, abs=0.005 + 1e-9)  # two digits
+
+
 def test_kernels_are_measured_once(monkeypatch, tmp_path):
     monkeypatch.setattr("refdof._store.results_folder", lambda: tmp_path)
     calls, told = [], []

@@ -82,6 +82,9 @@ class Method:
     basis : one of `BASES`
         What it was written after.
     stages : Stages that it records; empty: not declared yet
+    kernel : (radius, energy) or None
+        What it makes of a light of one pixel behind focus where circles are 8 px: RMS radius over the disc's, and
+        energy over the light's, as `refdof.kernel_shape.kernel_shape` measures them. None: not measured.
     tradeoff : (parameter, values) or None
         The parameter that trades speed for accuracy most, and values to try, from fast to slow. None: there is none.
 
@@ -103,6 +106,7 @@ class Method:
     basis: str = "paper"
     stages: tuple[Stage, ...] = ()
     tradeoff: tuple[str, tuple[Any, ...]] | None = None
+    kernel: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         as_choice("kind", self.kind, KINDS)
@@ -154,6 +158,7 @@ def facts_of(method: Method, width: int, height: int) -> dict[str, Any]:
         "params": method.defaults(),
         "kind": method.kind,
         "promises": method.promises,
+        "kernel": None if method.kernel is None else dict(zip(("radius", "energy"), method.kernel, strict=True)),
         "known_defects": method.known_defects,
         "stages": [asdict(stage) for stage in method.stages],
         "tradeoff": None if method.tradeoff is None else {method.tradeoff[0]: method.tradeoff[1]},

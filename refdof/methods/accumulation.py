@@ -68,6 +68,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "energy", "symmetry", "occlusion"),
     texture_reads=texture_reads,
+    kernel=(1.0, 0.92),
     known_defects=("With few samples its error is noise, or ghost edges where all pixels share one pattern.",),
     paper={
         "shared_pattern": True,  # [1]: every view is one point of the lens for the whole picture

@@ -79,6 +79,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity"),
     texture_reads=texture_reads,
+    kernel=(0.95, 1.0),
     known_defects=(
         "One rhombus is twice as bright as the two others, and the blur is off its middle by a tenth of the radius.",
         "Where rhombi meet, a ridge in the shape of a Y is brighter.",

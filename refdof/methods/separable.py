@@ -71,6 +71,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
     texture_reads=texture_reads,
+    kernel=(1.08, 1.0),
     known_defects=("The filter is not separable: what it does along x before y leaves traces.",),
     basis="reconstruction",
 )

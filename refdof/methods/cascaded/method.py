@@ -147,6 +147,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "convexity", "symmetry", "occlusion"),
     texture_reads=None,
+    kernel=(0.78, 1.0),
     known_defects=(
         "What is in focus lies under a slightly blurred copy of itself wherever anything is in front of it.",
         "Energy is not kept: the matting shows every surface in two layers.",

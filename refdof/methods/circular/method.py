@@ -58,6 +58,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "symmetry"),
     texture_reads=texture_reads,
+    kernel=(1.0, 1.0),
     known_defects=(
         "The disc ripples: by 8 % with two components, 23 % with one, 0.4 % with five; it is negative outside.",
         "Where circles vary there are streaks: the second pass reads columns that were blurred by their own circles.",

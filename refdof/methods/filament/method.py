@@ -83,6 +83,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus"),
     texture_reads=texture_reads,
+    kernel=(1.02, 0.54),
     known_defects=(
         "Silhouettes of things in focus are aliased: they are drawn at half the size beside blurred ones.",
         "The nearest of four circles makes near things fatter by a pixel.",

@@ -54,6 +54,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "convexity"),
     texture_reads=texture_reads,
+    kernel=(1.71, 4.54),
     known_defects=(
         "The maximum makes small lights several times brighter and wider than the disc.",
         "From half of the greatest blur on, nothing of the sharp picture is left: a hard border of focus.",

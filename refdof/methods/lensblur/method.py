@@ -134,6 +134,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion"),
     texture_reads=None,
+    kernel=(1.01, 1.0),
     known_defects=(
         "Energy is not kept: rays that leave the picture do not count, and the others weigh more.",
         "Silhouettes near a surface behind them are extended.",

@@ -103,6 +103,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
     texture_reads=texture_reads,
+    kernel=(1.29, 1.0),
     known_defects=("Blurs too much: by about 0.3 of the circle's diameter, where a disc has 0.25.",),
     paper={
         "blend": "geometric",  # Eqs. (7), (8)

@@ -190,6 +190,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "symmetry", "occlusion"),
     texture_reads=None,
+    kernel=(1.0, 1.0),
     known_defects=(
         "Energy is not kept: rays that leave the picture see its border.",
         "A layer keeps no surface behind its nearest one; what goes on there is guessed.",

@@ -65,6 +65,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity"),
     texture_reads=texture_reads,
+    kernel=(1.46, 1.0),
     known_defects=(
         "Blur grows linearly with depth up to a fixed radius, not as the circle of confusion does.",
         "Worse than no blur on the scene `atrium`: in small pictures, up to 160x120, whose circles its 5 px exceed.",

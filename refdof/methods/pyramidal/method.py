@@ -86,6 +86,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity"),
     texture_reads=texture_reads,
+    kernel=(1.38, 1.0),
     known_defects=(
         "Away from focus every colour is repeated in two sub-images.",
         "The mirrored scene gives the mirrored picture only where sides are powers of two.",

@@ -57,6 +57,7 @@ METHOD = Method(
     params=Params,
     promises=("pinhole",),
     texture_reads=texture_reads,
+    kernel=(0.92, 0.97),
     known_defects=(
         "Taps reach three quarters of the blur: the kernel's RMS radius is 0.86 of the disc's.",
         "Circles have no sign: in focus over blurred cannot be told from blurred over in focus.",

@@ -75,6 +75,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "focus", "convexity", "symmetry"),
     texture_reads=texture_reads,
+    kernel=(1.0, 1.0),
     known_defects=("There is no order in depth: what lies behind spreads over what is in front of it.",),
     basis="reconstruction",
     tradeoff=("order", ("none", "far_to_near")),

@@ -59,6 +59,7 @@ METHOD = Method(
     params=Params,
     promises=("constant", "pinhole", "convexity"),
     texture_reads=texture_reads,
+    kernel=(1.01, 1.0),
     known_defects=(
         "Energy is not kept: the mean runs along the spiral, so that the order of taps matters.",
         "The mirrored scene does not give the mirrored picture: the spiral turns one way.",
