@@ -5,6 +5,9 @@ source file of this package, Numba's version, the processor and the JIT flags: a
 and a second run of the same code compiles nothing, be it another copy of the package. Folders unused for a month are
 removed.
 
+An array that is written to a part of another one (`row[:] = other`) brings in the text of an error about shapes, which
+takes three seconds to compile in each process: kernels copy element by element. A number written to a part does not.
+
 Numba numbers the files of a function's signatures, and keeps a list of them. Two processes that compile at once may
 give the same number to two signatures, and one would run the other's machine code. So files are named by what they were
 compiled from, and there is no list.

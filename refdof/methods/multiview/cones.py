@@ -177,7 +177,8 @@ def _cone_rows(fields, chain, widening, shared, first, last, out):
                         _read(closed[k], level, u, v, diameter, whole)
                         covered = whole[-1]
                         share = (covered + free - 1.0) / free if covered < 1.0 - _ROUNDING else 1.0
-                        found[: len(whole) - 1] = whole[: len(whole) - 1]
+                        for channel in range(len(whole) - 1):
+                            found[channel] = whole[channel]
                     for channel in range(len(found) - 2):
                         found[channel] /= covered
                     dx, dy = ray_tangents(shared.projection, x, y, vx, vy)

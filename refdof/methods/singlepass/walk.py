@@ -230,7 +230,8 @@ def _spread(planes, center, offsets, weights, inner, numbers, mode, margin):
         for x in range(width):
             limit[x] = behind * min(abs(limit[x]), largest)
         for c in range(3):
-            mean[c] = pixels[c, y + margin, margin : margin + width]
+            for x in range(width):
+                mean[c, x] = pixels[c, y + margin, margin + x]
         for k in range(len(offsets)):
             nx, ny = offsets[k, 2] + margin, offsets[k, 3] + margin + y
             if mode == NEAREST:

@@ -51,7 +51,8 @@ def reduce_row(values, side, least, greatest):
     """Fill least and greatest (w,) of the tiles of a row (side, W): first each column, then the columns of a tile."""
     width = values.shape[1]
     low, high = np.empty(width, dtype=values.dtype), np.empty(width, dtype=values.dtype)
-    low[:], high[:] = values[0], values[0]
+    for x in range(width):
+        low[x] = high[x] = values[0, x]
     for y in range(1, len(values)):
         row = values[y]
         for x in range(width):

@@ -182,7 +182,8 @@ def _polygon(vertices, faces, i, near, scale, room):
             in_a = _distance(a[0], a[1], a[2], plane, near, scale)
             in_b = _distance(b[0], b[1], b[2], plane, near, scale)
             if in_a >= 0.0:
-                room[1 - side, kept] = a
+                for axis in range(3):
+                    room[1 - side, kept, axis] = a[axis]
                 kept += 1
             if (in_a >= 0.0) != (in_b >= 0.0):
                 # Cut from the inside to the outside.
