@@ -5,11 +5,11 @@ Numba gives each thread one run of a parallel loop's numbers, and what lies toge
 
 from refdof._jit.compile import inline
 
-__all__ = ["spread"]
+__all__ = ["fair_step"]
 
 
 @inline
-def spread(count):
+def fair_step(count):
     """A step through `count` rows, k step % count, that meets each once and spreads every run of k over all of them.
 
     Steps of the golden section do: Knuth, The Art of Computer Programming 3, section 6.4, theorem S.

@@ -1,11 +1,12 @@
-"""Rows of texels halved in vector registers, where loops over four channels do not vectorise.
+"""Rows of texels halved and stretched in vector registers, where loops over four channels do not vectorise.
 
 1. every second of eight texels, and the others     `_every_second`
 2. blend neighbours                                 `blend_along`
 3. blends and means of 2 x 2 texels                 `blend_squares`, `mean_squares`
+4. blend any two, of a row of texels (W, 4)         `blend_pair`
 
-Rows are flat, (4 W), and contiguous; places are int64 and count texels. Every operation is rounded. Without compilation
-the same is done by NumPy.
+Other rows are flat, (4 W), and contiguous; places are int64 and count texels. Every operation is rounded. Without
+compilation the same is done by NumPy.
 """
 
 from typing import Any
@@ -15,9 +16,9 @@ from numba import types
 from numba.extending import intrinsic
 
 from refdof._jit import JIT_DISABLED, inline
-from refdof._jit.texel_registers import load, pick, plain_lerp, store
+from refdof._jit.texel_registers import load, pick, plain_lerp, spread, store
 
-__all__ = ["blend_along", "blend_squares", "mean_squares"]
+__all__ = ["blend_along", "blend_pair", "blend_squares", "mean_squares"]
 
 _EVEN = [8 * (k // 4) + k % 4 for k in range(16)]  # numbers of every second of eight texels
 _ODD = [k + 4 for k in _EVEN]
@@ -62,6 +63,19 @@ def _mean_squares(typingctx: Any, upper: Any, lower: Any, place: Any, out: Any, 
     return signature, generate
 
 
+@intrinsic
+def _blend_pair(typingctx: Any, texels: Any, a: Any, b: Any, share: Any, out: Any, k: Any) -> Any:
+    signature = types.void(texels, a, b, texels.dtype, out, k)
+
+    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        base, target = (context.make_array(t)(context, builder, arguments[n]).data for t, n in ((texels, 0), (out, 4)))
+        first, second = (load(builder, base, place, 4) for place in arguments[1:3])
+        store(builder, plain_lerp(builder, first, second, spread(builder, arguments[3], 4)), target, arguments[5])
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
 def _combined(context: Any, builder: Any, signature: Any, arguments: Any, combine: Any) -> tuple[Any, Any]:
     """Neighbours combined in either row, and the two results combined; and where the output begins."""
     *rows, target = _bases(context, builder, signature, arguments, (0, 1, 3))
@@ -84,6 +98,10 @@ def _midway(builder: Any, a: Any, b: Any) -> Any:
     return plain_lerp(builder, a, b, ir.Constant(a.type, [0.5] * a.type.count))
 
 
+def _pair_interpreted(texels: Any, a: int, b: int, share: Any, out: Any, k: int) -> None:
+    out[k] = texels[a] + (texels[b] - texels[a]) * share
+
+
 def _along_interpreted(row: Any, place: int, even: Any, k: int, odd: Any, m: int) -> None:
     left, middle, right = (row[4 * (place + n) :][:32].reshape(-1, 8)[:, :4].ravel() for n in range(3))
     even[4 * k : 4 * k + 16] = left + (middle - left) * row.dtype.type(0.5)
@@ -103,7 +121,8 @@ def _mean_interpreted(upper: Any, lower: Any, place: int, out: Any, k: int) -> N
 
 
 if JIT_DISABLED:
-    blend_along, blend_squares, mean_squares = _along_interpreted, _squares_interpreted, _mean_interpreted
+    blend_along, blend_pair = _along_interpreted, _pair_interpreted
+    blend_squares, mean_squares = _squares_interpreted, _mean_interpreted
 else:
 
     @inline
@@ -120,3 +139,8 @@ else:
     def mean_squares(upper, lower, place, out, k):
         """Of eight texels from `place` on, means of 2 x 2, the rows' sums added: four of out from k on."""
         _mean_squares(upper, lower, place, out, k)
+
+    @inline
+    def blend_pair(texels, a, b, share, out, k):
+        """Write texel a blended with b to texel k of out, every operation rounded."""
+        _blend_pair(texels, a, b, share, out, k)

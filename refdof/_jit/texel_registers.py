@@ -1,7 +1,7 @@
 """Reads of pictures in vector registers, where loops over four channels do not vectorise.
 
 1. weigh a few texels               `weigh_texels`
-2. blend two or four texels         `blend_pair`, `blend_to`, `blend_over`
+2. blend four texels                `blend_to`, `blend_over`
 3. read a circle of nine points     `read_circle`
 4. share a texel out                `add_share`, `lay_share`
 
@@ -21,8 +21,8 @@ from numba.extending import intrinsic
 from refdof._jit import JIT_DISABLED, inline
 
 __all__ = [
-    "INWARD", "add_share", "blend_four", "blend_over", "blend_pair", "blend_to", "blend_vectors", "lay_share", "load",
-    "pick", "plain_lerp", "read_circle", "spread", "store", "weigh_texels",
+    "INWARD", "add_share", "blend_four", "blend_over", "blend_to", "blend_vectors", "lay_share", "load", "pick",
+    "plain_lerp", "read_circle", "spread", "store", "weigh_texels",
 ]  # fmt: skip
 
 INWARD = float(np.sqrt(0.5))
@@ -211,19 +211,6 @@ def _blend_over(
     return signature, generate
 
 
-@intrinsic
-def _blend_pair(typingctx: Any, texels: Any, a: Any, b: Any, share: Any, out: Any, k: Any) -> Any:
-    signature = types.void(texels, a, b, texels.dtype, out, k)
-
-    def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        base, target = (context.make_array(t)(context, builder, arguments[n]).data for t, n in ((texels, 0), (out, 4)))
-        first, second = (load(builder, base, place, 4) for place in arguments[1:3])
-        store(builder, plain_lerp(builder, first, second, spread(builder, arguments[3], 4)), target, arguments[5])
-        return context.get_dummy_value()
-
-    return signature, generate
-
-
 def _blend_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any) -> tuple[Any, ...]:
     upper, lower = (texels[p] + (texels[q] - texels[p]) * across for p, q in ((a, b), (c, d)))
     return tuple(upper + (lower - upper) * down)
@@ -237,10 +224,6 @@ def _over_interpreted(
 
 def _to_interpreted(texels: Any, a: int, b: int, c: int, d: int, across: Any, down: Any, out: Any, k: int) -> None:
     out[k] = _blend_interpreted(texels, a, b, c, d, across, down)
-
-
-def _pair_interpreted(texels: Any, a: int, b: int, share: Any, out: Any, k: int) -> None:
-    out[k] = texels[a] + (texels[b] - texels[a]) * share
 
 
 def _add_interpreted(out: Any, k: int, texel: tuple[Any, ...], share: Any) -> None:
@@ -283,13 +266,7 @@ def _circle_interpreted(
 if JIT_DISABLED:
     blend_over, blend_to, read_circle = _over_interpreted, _to_interpreted, _circle_interpreted
     add_share, lay_share, weigh_texels = _add_interpreted, _lay_interpreted, _weigh_interpreted
-    blend_pair = _pair_interpreted
 else:
-
-    @inline
-    def blend_pair(texels, a, b, share, out, k):
-        """Write texel a blended with b to texel k of out, every operation rounded."""
-        _blend_pair(texels, a, b, share, out, k)
 
     @inline
     def blend_to(texels, a, b, c, d, across, down, out, k):

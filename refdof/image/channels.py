@@ -3,9 +3,9 @@
 import numpy as np
 
 from refdof._check import Float
-from refdof._jit import borrow, kernel, prange
+from refdof._jit import borrow, inline, kernel, prange
 
-__all__ = ["joined"]
+__all__ = ["join_row", "joined"]
 
 
 def joined(color: Float, fourth: Float) -> Float:
@@ -18,6 +18,11 @@ def joined(color: Float, fourth: Float) -> Float:
 @kernel
 def _join(color, fourth, out):
     for y in prange(len(fourth)):
-        source, row, number = borrow(color)[y], borrow(out)[y], borrow(fourth)[y]
-        for x in range(len(number)):
-            row[x, 0], row[x, 1], row[x, 2], row[x, 3] = source[x, 0], source[x, 1], source[x, 2], number[x]
+        join_row(borrow(color)[y], borrow(fourth)[y], borrow(out)[y])
+
+
+@inline
+def join_row(color, fourth, out):
+    """A row (W, 3) and a number of each pixel (W,) to out (W, 4)."""
+    for x in range(len(fourth)):
+        out[x, 0], out[x, 1], out[x, 2], out[x, 3] = color[x, 0], color[x, 1], color[x, 2], fourth[x]

@@ -14,7 +14,7 @@ import pytest
 import refdof
 from refdof import _jit
 from refdof._jit import compile as compile_
-from refdof._jit import tap_registers, texel_registers, texel_sums
+from refdof._jit import row_registers, tap_registers, texel_registers, texel_sums
 
 pytestmark = pytest.mark.fast
 
@@ -387,7 +387,7 @@ def test_a_tap_is_blended_by_its_blur_and_weighed(center, dtype):
 def blend_rows(texels, across, down, share, out):
     texel_registers.blend_to(texels, 0, 1, 2, 3, across, down, out, 0)
     texel_registers.blend_over(texels, 0, 1, 2, 3, across, down, share, out, 1)
-    texel_registers.blend_pair(texels, 2, 1, across, out, 2)
+    row_registers.blend_pair(texels, 2, 1, across, out, 2)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])

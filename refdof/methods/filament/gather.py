@@ -6,7 +6,7 @@ Tiles of a row that take as many rings are done together, `MOST_LANES` pixels at
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.order import spread
+from refdof._jit.order import fair_step
 from refdof._jit.texel_lanes import LANES
 from refdof.methods.filament.alike import alike
 from refdof.methods.filament.background import background
@@ -40,7 +40,7 @@ def _gather(texels, levels, circles, rings, moved, most_rings, table):
     """circles and rings (3, h / 8, w / 8): of what is alike, behind and before; no rings where there is nothing."""
     height, width = moved.shape[:2]
     out, bands = np.zeros((height, width, 4), dtype=texels.dtype), height // TILE
-    step = spread(bands)
+    step = fair_step(bands)
     for turn in prange(bands):
         band = turn * step % bands
         whole, numbers = np.empty((5, MOST_LANES), dtype=np.int32), np.empty((32, MOST_LANES), dtype=texels.dtype)

@@ -7,7 +7,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.order import spread
+from refdof._jit.order import fair_step
 from refdof._jit.texel_registers import blend_to
 from refdof._jit.texel_sums import add_blend
 from refdof.image.bilinear import first_of_two, four_around, read_to, texels_around
@@ -26,7 +26,7 @@ def means(picture, circles, points, reach):
     scalar, texels = picture.dtype.type, picture.reshape(size[0] * size[1], 4)
     right, down, half = scalar(size[1] / width), scalar(size[0] / height), scalar(0.5)
     out = np.zeros((height, width, 4), dtype=picture.dtype)
-    step = spread(height)
+    step = fair_step(height)
     for turn in prange(height):
         y = turn * step % height
         row, source, taps, v = borrow(out)[y], borrow(texels), borrow(points), (scalar(y) + half) * down
@@ -53,7 +53,7 @@ def brightest(picture, points, reach_x, reach_y):
     scalar, texels = picture.dtype.type, picture.reshape(height * width, 4)
     half = scalar(0.5)
     out = picture.copy()
-    step = spread(height)
+    step = fair_step(height)
     for turn in prange(height):
         y = turn * step % height
         reads = np.empty((points.shape[1], 4), dtype=picture.dtype)

@@ -3,8 +3,7 @@
 1. Decompose the scene into layers evenly spaced in circle of confusion    `refdof.methods.multiview.decomposition`
 2. Colour them, or store what is needed to shade them later                `_surface`
 3. Choose lens points for every pixel                                      `refdof.optics.pixel_samples`
-4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.fields`,
-   `visit`
+4. Skip the layers that no ray of a pixel can meet                         `refdof.methods.multiview.fields.visit`
 5. Follow each ray front to back, from texel to texel or by false position  `refdof.methods.multiview.height_field`,
    `next_hit`
 6. Average what the rays hit, or blend it along cones                      `gather`, `cones`

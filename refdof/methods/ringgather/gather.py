@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.order import spread
+from refdof._jit.order import fair_step
 from refdof.methods.ringgather.prefilter import BEFORE, BEHIND, CIRCLE, LEAST_AREA
 
 __all__ = ["rings"]
@@ -29,7 +29,7 @@ def rings(planes, margin, greatest, least, side, taps, gain):
     """
     (height, width), scalar = (len(planes), planes.shape[2] - 2 * margin), planes.dtype.type
     out = np.empty((height, width, 4), dtype=planes.dtype)
-    step = spread(len(greatest))
+    step = fair_step(len(greatest))
     for turn in prange(len(greatest)):
         band = turn * step % len(greatest)
         most, lowest, source, picture = borrow(greatest)[band], borrow(least)[band], borrow(planes), borrow(out)

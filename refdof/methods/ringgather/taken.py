@@ -9,6 +9,7 @@ import numpy as np
 
 from refdof._check import Float
 from refdof._jit import borrow, inline, kernel, prange
+from refdof.image.channels import join_row
 from refdof.methods.ringgather.params import TILE
 from refdof.raster.filters.tiles import Tiles, reduce_row
 
@@ -44,18 +45,17 @@ def _take(color, depth, coc, largest_px, side, out, depths, circles):
         first, end = tile * side, min((tile + 1) * side, height)
         texels, circle, near = borrow(out[0]), borrow(out[1]), np.empty((end - first, width), dtype=coc.dtype)
         for y in range(first, end):
-            _join(borrow(color)[y], borrow(depth)[y], far, texels[y], near[y - first])
+            _cut(borrow(depth)[y], far, near[y - first])
+            join_row(borrow(color)[y], near[y - first], texels[y])
             _shrink(borrow(coc)[y], largest, circle[y])
         reduce_row(near, side, borrow(depths[0])[tile], borrow(depths[1])[tile])
         reduce_row(circle[first:end], side, borrow(circles[0])[tile], borrow(circles[1])[tile])
 
 
 @inline
-def _join(color, depth, far, texels, near):
-    """Colours and depths, cut at the far end, to texels (X, 4), and depths once more."""
+def _cut(depth, far, out):
     for x in range(len(depth)):
-        near[x] = min(depth[x], far)
-        texels[x, 0], texels[x, 1], texels[x, 2], texels[x, 3] = color[x, 0], color[x, 1], color[x, 2], near[x]
+        out[x] = min(depth[x], far)
 
 
 @inline

@@ -8,7 +8,7 @@
 import numpy as np
 
 from refdof._jit import borrow, inline, kernel, prange
-from refdof._jit.texel_registers import blend_pair
+from refdof._jit.row_registers import blend_pair
 from refdof.image.bilinear import add_read, first_of_two, texels_around
 
 __all__ = ["corner_means", "places_along", "read_run", "resize"]
