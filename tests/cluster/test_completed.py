@@ -65,6 +65,7 @@ def test_a_worker_that_dies_costs_its_own_tasks(log):
         for number, result in completed(work.slow, work.Scene(7), range(24), cluster):
             found[number] = result
             if len(found) == 8:
+                work.wait_until(lambda: work.is_at_work(victim))
                 before = {said for process, said in work.told() if process == victim and said.startswith("end")}
                 os.kill(victim, signal.SIGKILL)
                 words_then = len(work.told())

@@ -87,8 +87,10 @@ def test_a_worker_killed_half_way_costs_only_its_tiles(log, monkeypatch):
 
         def kill(done, _):
             if done == 8:
+                victim = min(cluster.client.run(os.getpid).values())
+                work.wait_until(lambda: work.is_at_work(victim))
                 kept.update(said.removeprefix("end ") for _, said in work.told() if said.startswith("end"))
-                os.kill(min(cluster.client.run(os.getpid).values()), signal.SIGKILL)
+                os.kill(victim, signal.SIGKILL)
                 killed.append(True)
 
         killed = []
@@ -148,9 +150,10 @@ def test_tasks_last_about_a_second():
 
 
 @pytest.mark.slow
-def test_a_machine_with_a_cold_cache_beside_a_warm_one(tmp_path):
+def test_a_machine_with_a_cold_cache_beside_a_warm_one(log, monkeypatch, tmp_path):
     """A scheduler and two workers of their own, one with an empty cache: it compiles, and both agree to the bit."""
     shot, cache = (scene(), CAMERA), tmp_path / "cache"
+    monkeypatch.setattr(tile_tasks, "_sample", work.sample_beside_another)
     with (
         scheduler(tmp_path) as (address, _),
         worker(address, tmp_path / "cold", REFDOF_CACHE_DIR=str(cache)),

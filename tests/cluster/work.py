@@ -76,6 +76,27 @@ def threads(*_):
     return thread_count()
 
 
+def is_at_work(process):
+    """Whether a process has begun something and not ended it."""
+    said = [words for number, words in told() if number == process]
+    return bool(said) and said[-1].startswith("begin")
+
+
+def wait_until(true):
+    """Wait for what other processes tell."""
+    deadline = time.monotonic() + 120.0
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def sample_beside_another(work, batch):
+    """As the reference's own task, once two processes have one: neither does all of them."""
+    tell("begin")
+    wait_until(lambda: len({process for process, _ in told()}) == 2)
+    return tile_tasks._sample(work, batch)
+
+
 def sample(work, batch):
     """As the reference's own task."""
     tell(f"begin {batch}")
