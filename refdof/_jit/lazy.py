@@ -18,6 +18,8 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher, cpu_target
 
+from refdof._jit.call_types import remembered
+
 __all__ = ["HelperDispatcher", "LazyCompiler", "lazily"]
 
 
@@ -79,13 +81,13 @@ def lazily() -> Iterator[None]:
 
 
 class LazyCompiler(Compiler):
-    """Numba's compiler, with lazy libraries and without garbage collection, which took a quarter of the time."""
+    """Numba's compiler, with lazy libraries and call types, and without garbage collection, a quarter of the time."""
 
     def _compile_core(self) -> Any:
         collects = gc.isenabled()
         gc.disable()
         try:
-            with lazily():
+            with lazily(), remembered():
                 return super()._compile_core()
         finally:
             if collects:
