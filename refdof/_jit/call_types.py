@@ -17,7 +17,7 @@ from numba.core.targetconfig import ConfigStack
 __all__ = ["remembered"]
 
 _Base: Any = getattr(types, "BaseFunction", None)
-_plain = vars(_Base).get("get_call_type") if _Base is not None else None
+_plain: Any = vars(_Base).get("get_call_type") if _Base is not None else None
 _known: dict[Any, list[tuple[Any, Any, Any]]] = {}  # flags, signature and the function that knows how to lower it
 
 
