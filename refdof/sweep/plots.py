@@ -24,13 +24,14 @@ def front_plot(points: Sequence[Measured], kind: str) -> bytes:
         figure = Figure(figsize=(6.8, 4.2), layout="constrained")
         axes = figure.add_subplot()
         methods = sorted({point.method for point in points})
+        colors = matplotlib.color_sequences["tab20"]
         for k, method in enumerate(methods):
             own = [point for point in points if point.method == method]
             axes.plot(
                 [point.time_s for point in own],
                 [point.scores["psnr"] for point in own],
                 marker=_MARKS[k % len(_MARKS)],
-                color=f"C{k % 10}",
+                color=colors[(2 * k + k // 10) % 20],
                 linewidth=0.6,
                 markersize=4.5,
                 label=method,
