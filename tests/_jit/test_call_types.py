@@ -10,8 +10,6 @@ import pytest
 
 from refdof._jit import JIT_DISABLED
 
-pytestmark = pytest.mark.fast
-
 ROOT = Path(__file__).parents[2]
 PROBE = """
 import contextlib, sys
