@@ -40,6 +40,7 @@ __all__ = ["FOOTPRINT", "MipChain", "chain_of", "gather_cones", "mip_chain"]
 _ROWS_PER_TASK = 8
 FOOTPRINT = 6.0  # How far beside a cone's middle the mip levels that it reads reach, at most [its diameter]
 _CLOSE = 1e-3  # [px]: roundings of float32 positions up to 8192
+_OF_COLORS = 5  # numbers of a texel: three colours, coverage by what is new and by all
 _ROUNDING = 2.0**-22  # of coverage in float32: less than one hole in 1024 x 1024 texels
 
 
@@ -209,7 +210,7 @@ def _beside(u, i, count):
 @inline
 def _read(texels, level, px, py, diameter, out):
     """Write the trilinear mean around (px, py) of level 0 into out (C + 2,), clamped at the border."""
-    detail = min(math.log2(max(diameter, 1.0)), len(level) - 1.0)
+    detail = min(math.log2(diameter), len(level) - 1.0) if diameter > 1.0 else 0.0
     coarse = min(int(detail) + 1, len(level) - 1)
     fine, blend = int(detail), detail - int(detail)
     out[:] = 0.0
@@ -222,12 +223,17 @@ def _read(texels, level, px, py, diameter, out):
 def _add_bilinear(texels, level, k, px, py, weight, out):
     """Add weight times level k at (px, py) of level 0."""
     first, width, height = level[k, 0], level[k, 1], level[k, 2]
-    u = min(max(px * (width / level[0, 1]) - 0.5, -1.0), width + 0.0)  # beyond, the border goes on
-    v = min(max(py * (height / level[0, 2]) - 0.5, -1.0), height + 0.0)
+    across, down = (width / level[0, 1], height / level[0, 2]) if k > 0 else (1.0, 1.0)
+    u = min(max(px * across - 0.5, -1.0), width + 0.0)  # beyond, the border goes on
+    v = min(max(py * down - 0.5, -1.0), height + 0.0)
     i, j = math.floor(u), math.floor(v)
     a, b = u - i, v - j
     x0, x1 = min(max(i, 0), width - 1), min(max(i + 1, 0), width - 1)
     y0, y1 = first + min(max(j, 0), height - 1) * width, first + min(max(j + 1, 0), height - 1) * width
     p, q, r, s = y0 + x0, y0 + x1, y1 + x0, y1 + x1
-    for c in range(len(out)):
-        out[c] += weight * bilinear(texels[p, c], texels[q, c], texels[r, c], texels[s, c], a, b)
+    if len(out) == _OF_COLORS:  # a loop of known length: vector code
+        for c in range(_OF_COLORS):
+            out[c] += weight * bilinear(texels[p, c], texels[q, c], texels[r, c], texels[s, c], a, b)
+    else:
+        for c in range(len(out)):
+            out[c] += weight * bilinear(texels[p, c], texels[q, c], texels[r, c], texels[s, c], a, b)
