@@ -41,7 +41,7 @@ apertures = {
 }
 figure, axes = plt.subplots(3, 2, figsize=(8, 6.3), layout="constrained")
 for panel, (title, aperture) in zip(axes.flat, apertures.items(), strict=True):
-    truth = refdof.reference(scene, lens=replace(lens, aperture=aperture), samples=512)
+    truth = refdof.reference(scene, lens=replace(lens, aperture=aperture), samples=2048)
     panel.imshow(np.clip(truth.image, 0.0, 1.0) ** (1 / 2.2))
     panel.set_title(title, fontsize=10)
     panel.axis("off")

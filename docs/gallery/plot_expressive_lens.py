@@ -50,7 +50,7 @@ controls = {
 }
 figure, axes = plt.subplots(3, 2, figsize=(9, 9.2), layout="constrained")
 for panel, (name, given) in zip(axes.flat, controls.items(), strict=True):
-    truth = refdof.reference(scene, camera, refdof.ExpressiveLens(**shot, **given), samples=256)
+    truth = refdof.reference(scene, camera, refdof.ExpressiveLens(**shot, **given), samples=512)
     panel.imshow(np.clip(truth.image, 0.0, 1.0) ** (1 / 2.2))
     panel.set_title(name, fontsize=10)
     panel.axis("off")

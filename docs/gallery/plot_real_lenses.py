@@ -39,7 +39,7 @@ for panel, name in zip(axes.flat, ("thin lens", "double_gauss", "petzval", "bico
         scale = 1000.0 * refdof.SystemLens(system, 3.0).radius / thin.radius
         lens = refdof.SystemLens(system, 3.0, mm_per_unit=scale)
         view = lens.seen_by(camera)
-    truth = refdof.reference(scene, view, lens, samples=256)
+    truth = refdof.reference(scene, view, lens, samples=512)
     panel.imshow(np.clip(truth.image, 0.0, 1.0) ** (1 / 2.2))
     panel.set_title(name, fontsize=10)
     panel.axis("off")
