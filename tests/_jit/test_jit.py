@@ -132,34 +132,34 @@ def circle(texels, start, width, height, u, v, a, b, shares):
 
 
 @_jit.tile_kernel
-def add_tap(sharp, near, shares, soft, far, low_shares, center, sums, k):
-    tap_registers.add_tap(sharp, near, shares, soft, far, low_shares, center, sums, k)
+def add_two_taps(sharp, soft, strides, firsts, weights, own, sums, k):
+    tap_registers.add_two_taps(sharp, soft, strides, firsts, weights, own, sums, k)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("center", [0.0, 0.45, 1.0])
-def test_a_tap_is_blended_by_its_blur_and_weighed(center, dtype):
+def test_two_taps_are_blended_by_their_blur_and_weighed(center, dtype):
     random = np.random.default_rng(5)
-    sharp, soft = random.random((6, 4)).astype(dtype), random.random((5, 4)).astype(dtype)
-    sums = np.ones((2, 4), dtype)
-    add_tap(
-        sharp,
-        (0, 1, 4, 5),
-        (dtype(0.25), dtype(0.5)),
-        soft,
-        (3, 3, 2, 2),
-        (dtype(0.1), dtype(0.75)),
-        dtype(center),
-        sums,
-        1,
-    )
-    high = 0.5 * (sharp[[0, 4]] * 0.75 + sharp[[1, 5]] * 0.25).sum(axis=0)
-    low = 0.25 * soft[3] + 0.75 * soft[2]
-    blur = abs(2 * high[3] - 1)
-    mixed = (1 - blur) * high + blur * low
-    weight = 1 if mixed[3] >= center else abs(2 * mixed[3] - 1)
-    np.testing.assert_allclose(sums[1], 1 + weight * np.array([*mixed[:3], 1]), rtol=20 * np.finfo(dtype).eps)
-    np.testing.assert_array_equal(sums[0], 1)
+    sharp, soft = random.random((12, 4)).astype(dtype), random.random((9, 4)).astype(dtype)
+    sharp[7:9, 3] = center
+    firsts = np.array([[0, 0, 6, 0], [0, 4, 0, 0]])  # pictures of 4 and 3 columns
+    weights = random.random((4, 4)).astype(dtype)
+    sums = np.ones((4, 4), dtype)
+    add_two_taps(sharp, soft, (4, 3), 4 * firsts, weights, 7, sums, 1)
+    for k in (1, 2):
+        high, low = (
+            (1 - w[1]) * ((1 - w[0]) * texels[a] + w[0] * texels[a + 1])
+            + w[1] * ((1 - w[0]) * texels[a + stride] + w[0] * texels[a + stride + 1])
+            for texels, stride, a, w in (
+                (sharp, 4, firsts[0, k], weights[:2, k]),
+                (soft, 3, firsts[1, k], weights[2:, k]),
+            )
+        )
+        blur = abs(2 * high[3] - 1)
+        mixed = (1 - blur) * high + blur * low
+        weight = 1 if mixed[3] >= center else abs(2 * mixed[3] - 1)
+        np.testing.assert_allclose(sums[k], 1 + weight * np.array([*mixed[:3], 1]), rtol=20 * np.finfo(dtype).eps)
+    np.testing.assert_array_equal(sums[[0, 3]], 1)
 
 
 @_jit.tile_kernel

@@ -115,14 +115,15 @@ def trilinear(levels: Sequence[Any], u: Any, v: Any, lod: Any, model: GpuModel =
     if not images or any(i.dtype != images[0].dtype or i.shape[2] != images[0].shape[2] for i in images):
         raise InputError("levels: allowed is a list of one or more images with the same type and number of channels")
     u, v, lod = _coordinates(model, u=u, v=v, lod=lod)
-    lod = np.clip(lod, 0, len(images) - 1)
+    if lod.size and (lod.min() < 0 or lod.max() > len(images) - 1):  # a new array costs more than a look
+        lod = np.clip(lod, 0, len(images) - 1)
     if model.filter_bits:
         lod = np.floor(lod * lod.dtype.type(256) + lod.dtype.type(0.5)) / lod.dtype.type(256)
     if _in_integers(images[0], model, border):
         read = _trilinear_bytes(images, u.ravel(), v.ravel(), lod.ravel(), model)
         return read.reshape(*u.shape, images[0].shape[2])
     least, most = (int(lod.min()), math.ceil(lod.max())) if lod.size else (0, 0)
-    images, lod = images[least : most + 1], lod - lod.dtype.type(least)
+    images, lod = images[least : most + 1], lod - lod.dtype.type(least) if least else lod
     return _read(images, u, v, lod, model, border, [(image.shape[1], image.shape[0]) for image in images])[0]
 
 

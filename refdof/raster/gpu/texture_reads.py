@@ -16,7 +16,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import blend_over, blend_to
-from refdof.image.bilinear import first_of_two, four_around
+from refdof.image.bilinear import first_of_two
 from refdof.raster.gpu.texture_sampling import bilinear_at, lerp, split
 
 __all__ = ["Chain", "read_chain"]
@@ -26,7 +26,10 @@ _MOST_TEXELS = 2**31 - 1  # whose numbers are int32; beyond, reads are slow
 
 
 class Chain(NamedTuple):
-    """Levels, one after the other, and what coordinates are multiplied by to be in texels, in their type."""
+    """Levels, one after the other, and what coordinates are multiplied by to be in texels, in their type.
+
+    That are width and height, if there are several levels.
+    """
 
     texels: Float  # (T, C)
     start: Index  # (L,) first texel
@@ -40,6 +43,7 @@ class _Chunk(NamedTuple):
     """Per point: finer level; the four texels around it; weights of the right and lower ones, and of the coarser."""
 
     level: Index  # (n,), or (0,) if there is one level
+    sizes: Index  # (3, n) int32: the level's first texel, width and height; or (3, 0)
     around: Index  # (4, n) int32
     weights: Float  # (3, n), or (2, n) if there is one level
 
@@ -68,13 +72,14 @@ def read_chain(chain, points, rounded, border, bordered, rules, out):
         how = (rounded, borrow(border), bordered, rules)
         x, y, z = borrow(u)[begin:end], borrow(v)[begin:end], borrow(lod)[begin:end]
         reads = borrow(out)[begin:end]
-        level = np.empty(count if several else 0, np.int32)
+        level, sizes = np.empty(count if several else 0, np.int32), np.empty((3, count if several else 0), np.int32)
         around, weights = np.empty((4, count), np.int32), np.empty((3, count), out.dtype)
-        work = _Chunk(borrow(level), borrow(around), borrow(weights))
-        if _unbounded(x) + _unbounded(y) > 0:
-            fit[chunk] = False
-        elif not (plain and _read_plainly(levels, x, y, z, work, reads)):
-            _read_by_rules(levels, x, y, z, how, reads)
+        work = _Chunk(borrow(level), borrow(sizes), borrow(around), borrow(weights))
+        if not (plain and _read_plainly(levels, x, y, z, work, reads)):
+            if _unbounded(x) + _unbounded(y) > 0:
+                fit[chunk] = False
+            else:
+                _read_by_rules(levels, x, y, z, how, reads)
     return fit.all()
 
 
@@ -82,20 +87,23 @@ def read_chain(chain, points, rounded, border, bordered, rules, out):
 def _read_plainly(chain, u, v, lod, work, out):
     """Read a chunk of points; False: plain arithmetic does not do."""
     if len(work.level) == 0:
-        faults = _find_texels(chain, u, v, work)
+        if _find_texels(chain, u, v, work) > 0:
+            return False
         _blend_chunk(chain.texels, work, out)
-        return faults + _unbounded(out) == 0
+        return _unbounded(out) == 0
     some = _choose_levels(lod, work.level, work.weights[2])
-    faults = _find_texels_of_levels(chain, u, v, work)
+    if _find_texels_of_levels(chain, u, v, work) > 0:
+        return False
     _blend_chunk(chain.texels, work, out)
     if some > 0:
-        last, share = np.int32(len(chain.start) - 1), work.weights[2]
+        last, share, ones = np.int32(len(chain.start) - 1), work.weights[2], np.int32(0)
         for k in range(len(share)):
             work.level[k] = min(work.level[k] + 1, last)
-            faults += share[k] >= 1
-        faults += _find_texels_of_levels(chain, u, v, work)
+            ones = np.int32(ones + np.int32(share[k] >= 1))
+        if ones + _find_texels_of_levels(chain, u, v, work) > 0:
+            return False
         _blend_over_chunk(chain.texels, work, out)
-    return faults + _unbounded(out) == 0
+    return _unbounded(out) == 0
 
 
 @inline
@@ -112,32 +120,52 @@ def _choose_levels(lod, level, share):
 
 @inline
 def _find_texels(chain, u, v, work):
-    """Fill the texels around and the weights; the number of weights that are 1."""
+    """Fill the texels around and the weights; of how many points a coordinate is not finite, or a weight is 1.
+
+    Texels around those that are not finite may be outside the image.
+    """
     a, b, c, d = work.around
     across, down = work.weights[0], work.weights[1]
     start, width, height = np.int32(chain.start[0]), np.int32(chain.width[0]), np.int32(chain.height[0])
-    scale_x, scale_y, ones = chain.scale_x[0], chain.scale_y[0], np.int32(0)
+    scale_x, scale_y, faults = chain.scale_x[0], chain.scale_y[0], np.int32(0)
     for k in range(len(u)):
         column, across[k] = first_of_two(u[k] * scale_x, width)
         row, down[k] = first_of_two(v[k] * scale_y, height)
-        a[k], b[k], c[k], d[k] = four_around(start, width, height, column, row)
-        ones = np.int32(ones + np.int32(max(across[k], down[k]) >= 1))
-    return ones
+        a[k], b[k], c[k], d[k] = _four_of(start, width, height, column, row)
+        faults = np.int32(faults + _is_fault(u[k], v[k], across[k], down[k]))
+    return faults
 
 
 @inline
 def _find_texels_of_levels(chain, u, v, work):
     """As `_find_texels`, each point at its level."""
     a, b, c, d = work.around
-    across, down, ones = work.weights[0], work.weights[1], np.int32(0)
-    for k in range(len(u)):
+    across, down, faults, real = work.weights[0], work.weights[1], np.int32(0), u.dtype.type
+    starts, widths, heights = work.sizes
+    for k in range(len(u)):  # look-ups do not vectorise, what follows does
         n = np.uint64(work.level[k])
-        start, width, height = np.int32(chain.start[n]), np.int32(chain.width[n]), np.int32(chain.height[n])
-        column, across[k] = first_of_two(u[k] * chain.scale_x[n], width)
-        row, down[k] = first_of_two(v[k] * chain.scale_y[n], height)
-        a[k], b[k], c[k], d[k] = four_around(start, width, height, column, row)
-        ones = np.int32(ones + np.int32(max(across[k], down[k]) >= 1))
-    return ones
+        starts[k], widths[k], heights[k] = chain.start[n], chain.width[n], chain.height[n]
+    for k in range(len(u)):
+        width, height = widths[k], heights[k]
+        column, across[k] = first_of_two(u[k] * real(width), width)
+        row, down[k] = first_of_two(v[k] * real(height), height)
+        a[k], b[k], c[k], d[k] = _four_of(starts[k], width, height, column, row)
+        faults = np.int32(faults + _is_fault(u[k], v[k], across[k], down[k]))
+    return faults
+
+
+@inline
+def _is_fault(u, v, across, down):
+    return np.int32((u - u) + (v - v) != 0) | np.int32(max(across, down) >= 1)
+
+
+@inline
+def _four_of(start, width, height, column, row):
+    """`four_around` of int32, in int32: sums of two would be int64."""
+    upper = np.int32(start + np.int32(width * row))
+    lower = np.int32(upper + (width if row < np.int32(height - 1) else np.int32(0)))
+    right = np.int32(column + (np.int32(1) if column < np.int32(width - 1) else np.int32(0)))
+    return np.int32(upper + column), np.int32(upper + right), np.int32(lower + column), np.int32(lower + right)
 
 
 @inline
