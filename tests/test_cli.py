@@ -117,8 +117,8 @@ finally:
 @pytest.mark.slow
 @pytest.mark.skipif(JIT_DISABLED, reason="about compiled code; the compiled pass runs it")
 def test_no_time_of_a_first_table_has_compiling_in_it(tmp_path):
-    # Without a cache. This method was 170 times too slow in a first table, since a small picture before does not compile
-    # all. What counts is what Numba itself says, not a clock: other programs slow times down.
+    # Without a cache. This method was 170 times too slow in a first table, since a small picture before it does not
+    # compile all. What counts is what Numba itself says, not a clock: other programs slow times down.
     words = ["compare", "cans", "--methods", "mipmap", "--samples", "16", "--size", "320x240", "--out", "here"]
     environment = {**os.environ, "REFDOF_CACHE_DIR": str(tmp_path / "cache")}
     done = subprocess.run(

@@ -31,7 +31,7 @@ def differing(kind):
 
 
 def alike(row, other):
-    """Whether two figures are within a unit of the last digit shown: processors round differently as they trace rays."""
+    """Whether two figures are within a unit of the last digit shown: processors round rays differently."""
     first, second = (r.figure if isinstance(r.figure, Mapping) else {"": r.figure} for r in (row, other))
     assert first.keys() == second.keys()
     units = {name: last_digit(value, row.claim.digits) for name, value in second.items()}
