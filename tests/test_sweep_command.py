@@ -97,6 +97,10 @@ def test_predictions(tmp_path):
     (predicted,) = found["predictions"]
     assert (predicted["method"], predicted["size"]) == ("pyramidal", "192x128")
     assert 0.0 < predicted["seconds"] < 10.0
+    # Of what answers a quality, and a line for what cannot be predicted.
+    words = ("--method", "mipmap", "--vary", "delta=0.25,0.5", "--quality", "1dB", "--budget", "9s")
+    printed = sweep("fence", *words, *SMALL[2:], "--predict", "192x128", "--out", tmp_path)
+    assert re.search(r"^mipmap: nothing is predicted; with delta varied, at least 4 points", printed, re.MULTILINE)
 
 
 @pytest.mark.fast
