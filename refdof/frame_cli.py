@@ -22,8 +22,8 @@ from refdof.options import (
     AsJson,
     Crops,
     MethodSettings,
+    ThinUnits,
     Threads,
-    Units,
     listed,
     metres_of,
     refuse_ignored,
@@ -72,7 +72,7 @@ def filter_files(
     sensor: Annotated[
         float | None, typer.Option("--sensor", help=f"Height of the sensor [mm]. Default: {_SENSOR_MM:g}.")
     ] = None,
-    units: Units = None,
+    units: ThinUnits = None,
     coc: Annotated[
         str | None,
         typer.Option(

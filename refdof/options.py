@@ -21,6 +21,8 @@ __all__ = [
     "Background",
     "Eye",
     "FNumber",
+    "FieldFocalLength",
+    "FieldSensor",
     "FocalLength",
     "Focus",
     "FocusPoints",
@@ -43,6 +45,8 @@ __all__ = [
     "Size",
     "Steps",
     "Target",
+    "ThinFNumber",
+    "ThinUnits",
     "Threads",
     "Tolerance",
     "Units",
@@ -71,7 +75,7 @@ Background = Annotated[
     str | None,
     typer.Option("--background", metavar="R,G,B", help="Linear colour behind everything. Default: the scene's own."),
 ]
-_PLACE = "X,Y,Z"
+_PLACE, _UNITS = "X,Y,Z", "m|cm|mm|inch|ft|METRES"
 Eye = Annotated[
     str | None, typer.Option("--eye", metavar=_PLACE, help="Where the camera stands. Default: the scene's own.")
 ]
@@ -108,6 +112,13 @@ FNumber = Annotated[
         "--focal-length or --sensor, it sets the lens radius.",
     ),
 ]
+ThinFNumber = Annotated[  # of a command without --lens
+    float | None,
+    typer.Option(
+        "--f-number",
+        help="Focal length over the lens's diameter: with --focal-length or --sensor, it sets the lens radius.",
+    ),
+]
 FocalLength = Annotated[
     float | None,
     typer.Option(
@@ -115,6 +126,10 @@ FocalLength = Annotated[
         metavar="MM",
         help="In millimetres: with --f-number it sets the lens radius, with --sensor the field of view.",
     ),
+]
+FieldFocalLength = Annotated[  # of a command without --f-number
+    float | None,
+    typer.Option("--focal-length", metavar="MM", help="In millimetres: with --sensor it sets the field of view."),
 ]
 Sensor = Annotated[
     float | None,
@@ -125,13 +140,25 @@ Sensor = Annotated[
         "--f-number, the focal length follows from the field of view.",
     ),
 ]
+FieldSensor = Annotated[
+    float | None,
+    typer.Option(
+        "--sensor",
+        metavar="MM",
+        help="Height of the sensor in millimetres: with --focal-length it sets the field of view.",
+    ),
+]
 Units = Annotated[
     str | None,
     typer.Option(
         "--units",
-        metavar="m|cm|mm|inch|ft|METRES",
+        metavar=_UNITS,
         help="What a scene unit is, for --f-number; a --lens then has its own size. Default: m.",
     ),
+]
+ThinUnits = Annotated[
+    str | None,
+    typer.Option("--units", metavar=_UNITS, help="What a scene unit is, for --f-number. Default: m."),
 ]
 Wavelengths = Annotated[
     int | None,

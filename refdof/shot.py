@@ -25,6 +25,7 @@ from refdof.scene.scene import Scene
 from refdof.view import View
 
 __all__ = [
+    "THIN",
     "CameraChoice",
     "LensChoice",
     "SceneChoice",
@@ -34,6 +35,7 @@ __all__ = [
     "size_of",
 ]
 
+THIN = ("f-number", "focal-length", "sensor")  # the options of a lens that a command without --lens has
 _PLACES = ("eye", "target", "up")
 
 
@@ -84,6 +86,7 @@ class LensChoice:
     focal_length: float | None = None  # [mm]
     sensor: float | None = None  # height [mm]
     units: str | None = None
+    known: tuple[str, ...] = ("lens", *THIN)  # options that the command has, which errors may name
 
     def metres(self) -> float:
         """How many metres a scene unit has."""
@@ -129,19 +132,23 @@ class LensChoice:
             return
         refuse_ignored("without --lens", "with it", wavelengths=self.wavelengths, no_vignetting=self.no_vignetting)
         if self.focal_length is None and self.sensor is None:
-            others = "without --lens, --focal-length or --sensor"
-            refuse_ignored(others, "with one of them", f_number=self.f_number)
+            self._refuse_without("lens", "focal-length", "sensor", f_number=self.f_number)
         if self.f_number is None:
-            refuse_ignored("without --f-number or --lens", "with one of them", units=self.units)
+            self._refuse_without("f-number", "lens", units=self.units)
             if self.sensor is None:
-                others = "without --f-number or --sensor"
-                refuse_ignored(others, "with one of them", focal_length=self.focal_length)
+                self._refuse_without("f-number", "sensor", focal_length=self.focal_length)
             if self.focal_length is None:
-                refuse_ignored("without --f-number or --focal-length", "with one of them", sensor=self.sensor)
+                self._refuse_without("f-number", "focal-length", sensor=self.sensor)
         else:
             refuse_ignored("with --f-number, which sets it", "without it", lens_radius=self.radius)
         if self.focal_length is not None and self.sensor is not None:
             refuse_ignored("with --focal-length and --sensor, which set it", "without one of them", fov=fov)
+
+    def _refuse_without(self, *others: str, **option: Any) -> None:
+        """Refuse an option that needs one of these others, of which those are named that the command has."""
+        names = [f"--{name}" for name in others if name in self.known]
+        words = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        refuse_ignored(f"without {words}", "with it" if len(names) == 1 else "with one of them", **option)
 
 
 def scene_camera_lens(
