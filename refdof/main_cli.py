@@ -10,7 +10,7 @@ from refdof._check import InputError, as_choice
 from refdof.compare import warming_up
 from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
-from refdof.image.atomic import check_folder
+from refdof.image.atomic import check_file
 from refdof.image.file import SUFFIXES, save_image
 from refdof.listing_cli import in_words
 from refdof.methods import METHODS
@@ -107,8 +107,8 @@ def render(
     if stages is None:
         refuse_ignored("without --stages", "with it", steps=steps, pixel=pixel)
     if output.suffix.lower() not in SUFFIXES:
-        raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
-    check_folder(output.parent, "output")
+        raise InputError(f"output: got {str(output)!r}; allowed are names that end in {', '.join(SUFFIXES)}")
+    check_file(output, "output")
     if stages is not None:
         check_arrays_folder(stages, "stages")
     params = settings_of(settings or [], seed=seed, samples=samples)
@@ -130,7 +130,7 @@ def render(
         result = render_view(method, view, wanted if stages is not None else False, preset, **params)
         if stages is not None:
             save_stages(method, view, result, stages)
-        save_image(output, result.image)
+        save_image(output, result.image, "output")
     facts = {
         "output": str(output),
         **({} if stages is None else {"stages": str(stages)}),
@@ -180,6 +180,7 @@ def export(
     Each array is written as NPY and as raw little-endian numbers; arrays.json tells shapes, units and conventions.
     """
     set_threads(threads)
+    check_arrays_folder(out)
     names = listed(methods) if methods is not None else with_declared_stages()
     for name in names:
         as_choice("method", name, METHODS)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from refdof._check import InputError, as_number
-from refdof.image.atomic import check_folder, write_text
+from refdof.image.atomic import check_file, write_text
 from refdof.options import AsJson, Threads, listed, refuse_ignored, set_threads
 from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
@@ -140,11 +140,11 @@ def check(
             print(f"warning: {line}", file=sys.stderr)
         print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
         if html_file is not None:
-            write_text(html_file, check_page(report, pictures))
+            write_text(html_file, check_page(report, pictures), "html")
         if json_file is not None:
-            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
+            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n", "json")
         if junit_file is not None:
-            write_text(junit_file, junit(report))
+            write_text(junit_file, junit(report), "junit")
         if report.counts()[FAIL]:
             single = report.outcomes[0].case if len(report.outcomes) == 1 else None
             for line in diagnose_source(source, pack, single, probes=False).lines():
@@ -174,7 +174,7 @@ def diagnose(
     for line in found.lines():
         print(line)
     if json_file is not None:
-        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n")
+        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n", "json")
     raise typer.Exit(0 if found.key == "none" else 1)
 
 
@@ -184,9 +184,7 @@ def _check_files(**files: Path | None) -> None:
     for name, file in files.items():
         if file is None:
             continue
-        if file.exists() and not file.is_file():
-            raise InputError(f"{name}: got {str(file)!r}, which is not a regular file; allowed is the path of a file")
-        check_folder(file.parent, name)
+        check_file(file, name)
         if file.resolve() in seen:
             raise InputError(f"{name}: got {str(file)!r}, as {seen[file.resolve()]} has; allowed is another file")
         seen[file.resolve()] = name
