@@ -291,7 +291,7 @@ def test_bad_input_from_a_shell():
         (["compare", "fence", "--samples", "0"], "samples: got 0; allowed is a whole number in 1"),
         (["compare", "fence", "--motion", "2"], "motion: got 2; allowed is a whole number in 3 .. 64"),
         (["compare", "fence", "--motion", "65"], "motion: got 65; allowed is a whole number in 3 .. 64"),
-        (["compare", "fence", "--motion", "1.5"], "Invalid value for '--motion': "),
+        (["compare", "fence", "--motion", "1.5"], "refdof: motion: got '1.5'; allowed is a whole number\n"),
         (["compare", "fence", "--motion", "3", "--focus", "inf"], "motion: got 3 with focus at infinity"),
         (["compare", "fence", "--tolerance", "0"], "tolerance: got 0; allowed is a finite number > 0"),
         (["compare", "fence", "--seed", "-1"], "seed: got -1"),
