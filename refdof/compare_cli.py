@@ -71,6 +71,7 @@ from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import MAX_SAMPLES, samples_taken
+from refdof.typed import as_typed
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 
@@ -148,7 +149,8 @@ def compare(
     frames = None if motion is None else as_integer("motion", motion, minimum=3, maximum=MOST_FRAMES)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
-    params = settings_by_method(settings or [], names, presets)
+    with as_typed(method="methods"):
+        params = settings_by_method(settings or [], names, presets)
     seen = CameraChoice(size, eye, target, up, fov)
     photo = focal_length, sensor, units
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)

@@ -42,6 +42,7 @@ from refdof.options import (
     Up,
     Wavelengths,
     listed,
+    pixel_of,
     refuse_ignored,
     say_rounded,
     set_threads,
@@ -124,6 +125,7 @@ def render(
         with warming_up([(method, preset)] if scene in SCENES else []):
             look = SceneChoice(shading, background, limit, no_file_camera)
             loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
+        _check_pixels(pixel, camera.size)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         photographic = photographic_facts(view, chosen)
         tell(f"{scene}: {method}{compiling}", 0, 0)
@@ -183,7 +185,7 @@ def export(
     check_arrays_folder(out)
     names = listed(methods) if methods is not None else with_declared_stages()
     for name in names:
-        as_choice("method", name, METHODS)
+        as_choice("methods", name, METHODS)
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     seen = CameraChoice(size, eye, target, up, fov)
@@ -192,6 +194,7 @@ def export(
     with progress_line(f"{scene}: scene") as tell:
         look = SceneChoice(shading, background, limit, no_file_camera)
         loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
+        _check_pixels(pixel, camera.size)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         facts = {"out": str(out), "methods": ",".join(names), **photographic_facts(view, chosen)}
         tell(f"{scene}: layers and {', '.join(names) or 'no method'}", 0, 0)
@@ -206,3 +209,10 @@ def warm() -> None:
     """
     with progress_line() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
+
+
+def _check_pixels(pixels: list[str] | None, size: tuple[int, int]) -> None:
+    """Raise if a pixel is none of a picture of this size."""
+    for text in pixels or []:
+        if not all(place < side for place, side in zip(pixel_of(text), size, strict=True)):
+            raise InputError(f"pixel: got {text!r}; allowed are 0,0 .. {size[0] - 1},{size[1] - 1}")

@@ -13,6 +13,7 @@ from refdof.methods import METHODS
 from refdof.scene.material import SHADINGS
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
+from refdof.typed import as_typed
 
 __all__ = [
     "DEFAULT_SCENE",
@@ -229,8 +230,6 @@ MethodSettings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
 ]
-
-
 Steps = Annotated[
     str | None,
     typer.Option(
@@ -286,7 +285,8 @@ def stages_of(steps: str | None, pixels: list[str] | None, methods: Sequence[str
     if not any(stage.axes.startswith("P ") for stage in declared):
         refuse_ignored(none, "with one whose stages have probes, see `refdof methods --json`", pixel=pixels)
     places = None if pixels is None else tuple(pixel_of(text) for text in pixels)
-    return Stages(None if steps is None else _whole("steps", steps), places)
+    with as_typed(pixels="pixel"):
+        return Stages(None if steps is None else _whole("steps", steps), places)
 
 
 def pixel_of(text: str) -> tuple[int, int]:

@@ -21,6 +21,7 @@ from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, of_command, of_folder
 from refdof.oracle.verdict import FAIL
 from refdof.oracle.waivers import read_waivers
+from refdof.typed import as_typed
 
 __all__ = ["add_commands"]
 
@@ -76,7 +77,8 @@ def golden(
     A port needs the pack only, not refdof: its README says what to read and what to write.
     """
     set_threads(threads)
-    names = write_pack(out, level, None if methods is None else listed(methods), update=update, exr=exr)
+    with as_typed(method="methods"):
+        names = write_pack(out, level, None if methods is None else listed(methods), update=update, exr=exr)
     files = [path for path in out.rglob("*") if path.is_file()]
     facts = {"out": str(out), "cases": len(names), "bytes": sum(path.stat().st_size for path in files)}
     print(json.dumps(facts) if as_json else ", ".join(f"{key}={value}" for key, value in facts.items()))
@@ -134,7 +136,7 @@ def check(
     from refdof.oracle.page import Pictures, check_page  # templates and pictures are slow to import
 
     pictures = Pictures()
-    with _source(results, impl, shader, bindings, timeout) as source:
+    with as_typed(not_supported="not-supported"), _source(results, impl, shader, bindings, timeout) as source:
         report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
         for line in report.warnings:
             print(f"warning: {line}", file=sys.stderr)

@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from refdof._check import InputError, as_choice, as_number
+from refdof._check import InputError, as_choice
 from refdof._files import as_plain_file
 from refdof.cluster import connected
 from refdof.compare import check_window
@@ -175,7 +175,7 @@ def sweep_command(
         None if budget is None else _quantity("budget", budget, {"ms": 1e-3, "s": 1.0, "us": 1e-6}),
         None if quality is None else _quantity("quality", quality, {"dB": 1.0, "": 1.0}),
     )
-    sizes = [size_of(text) for text in listed(predict)] if predict is not None else []
+    sizes = [size_of(text, "predict") for text in listed(predict)] if predict is not None else []
     check_folder(out)
     wanted = scenes or (list(SCENES) if preset is not None else [DEFAULT_SCENE])
     seen = CameraChoice(size, eye, target, up, fov)
@@ -265,4 +265,6 @@ def _quantity(name: str, text: str, units: dict[str, float]) -> float:
         value = float(found[1])
     except ValueError:
         raise InputError(f"{name}: got {text!r}; allowed is {allowed}") from None
-    return as_number(name, value, above=0.0) * units[found[2]]
+    if not 0.0 < value < math.inf:
+        raise InputError(f"{name}: got {text!r}; allowed is {allowed}, above 0 and finite")
+    return value * units[found[2]]

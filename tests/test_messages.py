@@ -1,7 +1,9 @@
 """Messages of the command line: the option and its value as they were typed."""
 
 import typing
+from pathlib import Path
 
+import numpy as np
 import pytest
 import typer
 
@@ -35,6 +37,43 @@ def test_there_are_numbers():
     assert len(NUMBERS) > 80
     assert ("compare", "samples", "a whole number") in NUMBERS
     assert ("lens", "focus", "a number") in NUMBERS
+
+
+# What is typed, and how its error begins: the option's name and its value.
+TYPED = [
+    ("sweep --predict 1920", "predict: got '1920'; allowed is WIDTHxHEIGHT"),
+    ("sweep --vary focus=-1", "vary: focus: got -1;"),
+    ("sweep --vary lens-radius=-1", "vary: lens_radius: got -1;"),
+    ("sweep --vary size=0x9", "vary: size: got '0x9';"),
+    ("sweep --budget -5ms", "budget: got '-5ms'; allowed is NUMBERms or NUMBERs or NUMBERus, above 0"),
+    ("sweep --quality 1e999dB", "quality: got '1e999dB';"),
+    ("sweep --method mipmp", "method: got 'mipmp';"),
+    ("golden --out g --methods mipmp", "methods: got 'mipmp';"),
+    ("export fence --out g --methods mipmp", "methods: got 'mipmp';"),
+    ("compare --methods mipmp", "methods: got 'mipmp';"),
+    ("filter --color a.npy --depth d.npy --methods mipmp --fov 40 --focus 2 --lens-radius 1", "methods: got 'mipmp';"),
+    ("stability --methods mipmp", "methods: got 'mipmp';"),
+    ("focus fence --points text --method mipmap --out g", "points: text: "),
+    ("render fence --focus-points text --method mipmap -o a.png", "focus-points: text: "),
+    ("export fence --size 32x24 --out g --pixel 500,2", "pixel: got '500,2'; allowed are 0,0 .. 31,23"),
+    ("export fence --size 32x24 --out g" + " --pixel 1,1" * 17, "pixel: got 17; allowed are at most 16"),
+    ("check --pack {pack} --results . --not-supported foo", "not-supported: got 'foo';"),
+    ("render fence --method mipmap -o a.png --size 0x0", "size: got '0x0'; allowed is WIDTHxHEIGHT"),
+    ("render fence --method mipmap -o a.png --size 9x99999", "size: got '9x99999'; allowed is WIDTHxHEIGHT"),
+    ("lens double_gauss --focus 0.01", "focus: got 0.01; allowed is more than 0.0470689 metres"),
+    ("render fence --method mipmap -o a.png --lens biconvex --focus 0.0001", "focus: got 0.0001; allowed is more than"),
+]
+
+
+@pytest.mark.parametrize(("words", "begins"), TYPED, ids=lambda words: words[:30])
+def test_errors_name_what_was_typed(tmp_path, monkeypatch, capsys, words, begins):
+    pack = Path(__file__).parents[1] / "data" / "packs" / "core"
+    monkeypatch.chdir(tmp_path)
+    np.save("a.npy", np.ones((24, 32, 3)))
+    np.save("d.npy", np.ones((24, 32)))
+    Path("text").write_bytes(b"\xff")
+    said = refused(monkeypatch, capsys, *(word.format(pack=pack) for word in words.split()))
+    assert said.startswith(f"refdof: {begins}")
 
 
 @pytest.mark.parametrize("name", COMMANDS)

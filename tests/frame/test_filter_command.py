@@ -224,7 +224,7 @@ WRONG = [
     ([*LENS, "--near", 1], "near: got 1 for planar, which has no such plane"),
     ([*LENS, "--depth-kind", "reversed", "--near", 1, "--far", 2], "depth: largest value is"),
     ([*LENS, "--methods", "accumulation"], "methods: got 'accumulation', which needs triangles; allowed on this frame"),
-    ([*LENS, "--methods", "scater"], "method: got 'scater'; did you mean 'scatter'?"),
+    ([*LENS, "--methods", "scater"], "methods: got 'scater'; did you mean 'scatter'?"),
     ([*LENS, "--reference", "small.npy"], r"reference: got shape \(2, 2, 3\); allowed is"),
     ([*LENS, "--reference", "none.npy"], "reference: got 'none.npy': there is no such file"),
     ([*LENS, "--out", "file"], "out: got 'file', but"),
