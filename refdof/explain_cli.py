@@ -40,6 +40,7 @@ from refdof.options import (
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
+from refdof.scene.builtin import SCENES
 from refdof.settings import settings_of
 from refdof.shot import THIN, CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
@@ -119,6 +120,9 @@ def explain(
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
     else:
+        if Path(case).is_dir() or (method is None and case not in SCENES and not Path(case).exists()):
+            allowed = "a folder PACK/cases/NAME of a pack, a built-in scene or a mesh file"
+            raise InputError(f"case: got {case!r}; allowed is {allowed}")
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
