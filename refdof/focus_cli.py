@@ -115,7 +115,7 @@ def focus(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Render one or more frames with a lens that follows focus points.
+    """Render frames with a lens that follows focus points.
 
     Keyframes of the points and the animation of a glTF file move with the frames.
     """

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from typer.testing import CliRunner
 
 from refdof.cli import app
 from refdof.command_group import COMMANDS
@@ -83,3 +84,54 @@ def test_words_in_the_place_of_numbers(monkeypatch, capsys, name):
             for word in ("abc", "", "1,5", *(["1.5"] if allowed == "a whole number" else [])):
                 said = refused(monkeypatch, capsys, command, f"--{option}={word}")
                 assert said == f"refdof: {option}: got '{word}'; allowed is {allowed}\n"
+
+
+# Every file that a command reads is none.
+MISSING = [
+    "check --pack no --results .",
+    "check --pack {pack} --results no",
+    "check --pack {pack} --shader no.frag",
+    "check --pack {pack} --shader {root}/ports/glsl/singlepass.frag --bindings no",
+    "check --pack {pack} --results . --waivers no",
+    "diagnose --pack {pack} --shader no.frag",
+    "explain no --pixel 1,1",
+    "filter --color no.exr --fov 40 --focus 2 --lens-radius 1",
+    "filter --color a.npy --depth no.npy --fov 40 --focus 2 --lens-radius 1",
+    "focus fence --points no --method mipmap --out g",
+    "lens no.toml",
+    "render no.obj --method mipmap -o a.png",
+    "render fence --lens no.toml --method mipmap -o a.png",
+    "render fence --focus-points no --method mipmap -o a.png",
+    "score no.npy a.npy",
+    "score a.npy no.npy",
+]
+
+
+@pytest.mark.parametrize("words", MISSING, ids=lambda words: words[:40])
+def test_what_is_missing_is_said_once(tmp_path, monkeypatch, capsys, words):
+    root = Path(__file__).parents[1]
+    monkeypatch.chdir(tmp_path)
+    np.save("a.npy", np.ones((24, 32, 3)))
+    places = {"root": root, "pack": root / "data" / "packs" / "core"}
+    said = refused(monkeypatch, capsys, *(word.format(**places) for word in words.split()))
+    assert "'no" in said
+    assert said.count("got ") + said.count("cannot read") == 1, said
+    assert said.count("allowed") == 1, said
+
+
+def test_a_folder_that_is_no_case_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    for words in (["empty"], ["empty", "--method", "mipmap"], ["nowhere"]):
+        said = refused(monkeypatch, capsys, "explain", *words, "--pixel", "30,19")
+        assert said.startswith(f"refdof: case: got '{words[0]}'"), said
+    said = refused(monkeypatch, capsys, "explain", "fence", "--pixel", "30,19")
+    assert said.startswith("refdof: method: got none with a scene; allowed are ")
+
+
+def test_no_line_of_the_help_is_cut():
+    shown = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "80"}).output
+    lines = [line for line in shown.splitlines() if not line.startswith("Usage:")]
+    assert [line for line in lines if line.endswith("...")] == []
+    for name, home in COMMANDS.items():
+        assert f"  {name:<9}  {home.help}" in lines
