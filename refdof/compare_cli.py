@@ -63,7 +63,7 @@ from refdof.options import (
 )
 from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS
-from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report import files_line, markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.scene.builtin import SCENES
 from refdof.scene.scene import Scene
@@ -184,7 +184,7 @@ def compare(
         print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
         return
     print(markdown_table(comparisons) if wide else terminal_table(comparisons))
-    print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+    print(files_line(out, bool(wide)))
     if frames is not None and not wide:
         print(f"Flicker: in {out / 'table.md'}; motion.png and motion_strip.png are beside each report.html")
 

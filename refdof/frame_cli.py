@@ -30,7 +30,7 @@ from refdof.options import (
     set_threads,
 )
 from refdof.progress import overall, progress_line
-from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report import files_line, markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.score import score_images
 from refdof.settings import settings_by_method
@@ -136,7 +136,7 @@ def filter_files(
         print(json.dumps(rows_as_json(comparison, command), indent=2))
         return
     print(markdown_table([comparison]) if wide else terminal_table([comparison]))
-    print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+    print(files_line(out, bool(wide)))
 
 
 def _lens(
