@@ -7,6 +7,7 @@ names the argument, what it got and what is allowed.
 import errno
 import gc
 import os
+import re
 import sys
 import warnings
 from typing import Annotated, Any
@@ -73,7 +74,7 @@ def main() -> None:
     except InputError as error:
         _fail(str(error), 2)
     except _UsageError as error:
-        _fail(error.format_message(), 2)
+        _fail(_number_expected(error) or error.format_message(), 2)
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     if status == INTERRUPTED:
@@ -81,6 +82,19 @@ def main() -> None:
         _fail("interrupted; nothing was written", INTERRUPTED)
     gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _number_expected(error: Any) -> str:
+    """What is wrong with a word in the place of a number, in refdof's words; empty where that is not the error."""
+    kind = re.search(r"\b(integer|number|float)\b", getattr(error, "message", ""))
+    if kind is None or getattr(error, "param", None) is None:
+        return ""
+    if hasattr(error.__cause__, "errors"):  # of pydantic, in newer versions of typer
+        got = error.__cause__.errors()[0]["input"]
+    else:
+        got = error.message.partition("' is not ")[0][1:]
+    allowed = "a whole number" if kind[1] == "integer" else "a number"
+    return f"{error.param.opts[-1].lstrip('-')}: got {got!r:.80}; allowed is {allowed}"
 
 
 def _one_line(message: Warning | str, *_: Any, **__: Any) -> str:

@@ -82,7 +82,7 @@ COMMANDS: dict[str, Home] = {
         "Measure a lens, and draw it with --out.",
     ),
     "pick": Home("focus_cli", "add_focus", "Print the focus point under a pixel, ready for a focus.toml."),
-    "focus": Home("focus_cli", "add_focus", "Render one or more frames with a lens that follows focus points."),
+    "focus": Home("focus_cli", "add_focus", "Render frames with a lens that follows focus points."),
     "studio": Home(
         "studio_cli",
         "add_studio",

@@ -63,7 +63,7 @@ from refdof.options import (
 )
 from refdof.progress import overall, progress_line
 from refdof.rendering import PRESETS
-from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report import files_line, markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.scene.builtin import SCENES
 from refdof.scene.scene import Scene
@@ -71,6 +71,7 @@ from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens
 from refdof.truth.forecast import Forecast
 from refdof.truth.reference import MAX_SAMPLES, samples_taken
+from refdof.typed import as_typed
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 
@@ -148,7 +149,8 @@ def compare(
     frames = None if motion is None else as_integer("motion", motion, minimum=3, maximum=MOST_FRAMES)
     names = listed(methods) if methods is not None else list(METHODS)
     presets = listed(preset)
-    params = settings_by_method(settings or [], names, presets)
+    with as_typed(method="methods"):
+        params = settings_by_method(settings or [], names, presets)
     seen = CameraChoice(size, eye, target, up, fov)
     photo = focal_length, sensor, units
     chosen = LensChoice(lens_radius, focus, lens_file, f_number, wavelengths, no_vignetting, *photo)
@@ -182,7 +184,7 @@ def compare(
         print(json.dumps(tables[0] if len(tables) == 1 else tables, indent=2))
         return
     print(markdown_table(comparisons) if wide else terminal_table(comparisons))
-    print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+    print(files_line(out, bool(wide)))
     if frames is not None and not wide:
         print(f"Flicker: in {out / 'table.md'}; motion.png and motion_strip.png are beside each report.html")
 

@@ -18,7 +18,6 @@ from refdof.options import (
     AsJson,
     Background,
     Eye,
-    FNumber,
     FocalLength,
     Focus,
     Fov,
@@ -30,8 +29,9 @@ from refdof.options import (
     Shading,
     Size,
     Target,
+    ThinFNumber,
+    ThinUnits,
     Threads,
-    Units,
     Up,
     pixel_of,
     refuse_ignored,
@@ -40,8 +40,9 @@ from refdof.options import (
 from refdof.oracle.case import in_file_order
 from refdof.oracle.files import FileFault, open_pack
 from refdof.rendering import make_params
+from refdof.scene.builtin import SCENES
 from refdof.settings import settings_of
-from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
+from refdof.shot import THIN, CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_explain"]
@@ -92,10 +93,10 @@ def explain(
     no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
     focus: Focus = None,
-    f_number: FNumber = None,
+    f_number: ThinFNumber = None,
     focal_length: FocalLength = None,
     sensor: Sensor = None,
-    units: Units = None,
+    units: ThinUnits = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
@@ -119,10 +120,14 @@ def explain(
         read = _read_case(Path(case))
         found = explain_pictures(read.method, read.given, read.params, place, stage)
     else:
+        if Path(case).is_dir() or (method is None and case not in SCENES and not Path(case).exists()):
+            allowed = "a folder PACK/cases/NAME of a pack, a built-in scene or a mesh file"
+            raise InputError(f"case: got {case!r}; allowed is {allowed}")
         if method is None:
             raise InputError(f"method: got none with a scene; allowed are {', '.join(METHODS)}")
         params = make_params(method, settings_of(settings or []), "best" if preset is None else preset)
-        lens = LensChoice(lens_radius, focus, f_number=f_number, focal_length=focal_length, sensor=sensor, units=units)
+        photo = focal_length, sensor, units
+        lens = LensChoice(lens_radius, focus, None, f_number, None, None, *photo, THIN)
         seen, look = CameraChoice(size, eye, target, up, fov), SceneChoice(shading, background, limit, no_file_camera)
         view = View(*scene_camera_lens(case, seen, lens, look))
         found = explain_view(method, view, params, place, stage)

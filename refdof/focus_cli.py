@@ -16,7 +16,8 @@ from refdof.options import (
     AsJson,
     Background,
     Eye,
-    FNumber,
+    FieldFocalLength,
+    FieldSensor,
     FocalLength,
     Fov,
     Limit,
@@ -28,8 +29,9 @@ from refdof.options import (
     Shading,
     Size,
     Target,
+    ThinFNumber,
+    ThinUnits,
     Threads,
-    Units,
     Up,
     pixel_of,
     set_threads,
@@ -37,7 +39,7 @@ from refdof.options import (
 from refdof.progress import progress_line
 from refdof.rendering import make_params, render_view
 from refdof.settings import settings_of
-from refdof.shot import CameraChoice, LensChoice, SceneChoice, scene_camera_lens
+from refdof.shot import THIN, CameraChoice, LensChoice, SceneChoice, scene_camera_lens
 from refdof.view import View
 
 __all__ = ["add_focus"]
@@ -64,14 +66,15 @@ def pick(
     fov: Fov = None,
     limit: Limit = None,
     no_file_camera: NoFileCamera = None,
-    focal_length: FocalLength = None,
-    sensor: Sensor = None,
+    focal_length: FieldFocalLength = None,
+    sensor: FieldSensor = None,
     frame: Annotated[int, typer.Option("--frame", metavar="N", help="Frame of an animated scene, 24 a second.")] = 0,
     name: Annotated[str, typer.Option("--name", help="What the point is called.")] = "",
     as_json: AsJson = False,
 ) -> None:
     """Print the focus point under a pixel, ready for a focus.toml."""
-    lens, read = LensChoice(focal_length=focal_length, sensor=sensor), SceneChoice(None, None, limit, no_file_camera)
+    lens = LensChoice(focal_length=focal_length, sensor=sensor, known=("focal-length", "sensor"))
+    read = SceneChoice(None, None, limit, no_file_camera)
     shot = View(*scene_camera_lens(scene, CameraChoice(size, eye, target, up, fov), lens, read))
     view = shot.at_frame(as_number("frame", frame, minimum=0))
     point = pick_point(view, pixel_of(pixel), name)
@@ -105,14 +108,14 @@ def focus(
     limit: Limit = None,
     no_file_camera: NoFileCamera = None,
     lens_radius: Radius = None,
-    f_number: FNumber = None,
+    f_number: ThinFNumber = None,
     focal_length: FocalLength = None,
     sensor: Sensor = None,
-    units: Units = None,
+    units: ThinUnits = None,
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Render one or more frames with a lens that follows focus points.
+    """Render frames with a lens that follows focus points.
 
     Keyframes of the points and the animation of a glTF file move with the frames.
     """
@@ -124,7 +127,8 @@ def focus(
     params = settings_of(settings or [])
     make_params(method, params, preset)
     seen, look = CameraChoice(size, eye, target, up, fov), SceneChoice(shading, background, limit, no_file_camera)
-    lens = LensChoice(lens_radius, f_number=f_number, focal_length=focal_length, sensor=sensor, units=units)
+    photo = focal_length, sensor, units
+    lens = LensChoice(lens_radius, None, None, f_number, None, None, *photo, THIN)
     shot = View(*scene_camera_lens(scene, seen, lens, look))
     wanted = load_focus(points, "points")
     names = []

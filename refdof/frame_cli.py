@@ -22,18 +22,19 @@ from refdof.options import (
     AsJson,
     Crops,
     MethodSettings,
+    ThinUnits,
     Threads,
-    Units,
     listed,
     metres_of,
     refuse_ignored,
     set_threads,
 )
 from refdof.progress import overall, progress_line
-from refdof.report import markdown_table, rows_as_json, terminal_table, write_comparisons
+from refdof.report import files_line, markdown_table, rows_as_json, terminal_table, write_comparisons
 from refdof.report.crops import boxes_of
 from refdof.score import score_images
 from refdof.settings import settings_by_method
+from refdof.typed import as_typed
 
 __all__ = ["add_frames"]
 
@@ -72,7 +73,7 @@ def filter_files(
     sensor: Annotated[
         float | None, typer.Option("--sensor", help=f"Height of the sensor [mm]. Default: {_SENSOR_MM:g}.")
     ] = None,
-    units: Units = None,
+    units: ThinUnits = None,
     coc: Annotated[
         str | None,
         typer.Option(
@@ -122,7 +123,8 @@ def filter_files(
     frame = load_frame(color, depth, 40.0 if fov is None else fov, lens, coc, depth_kind, near, far)
     boxes = boxes_of(crop or [], frame.camera.size)
     names = methods_of_frame(frame) if methods is None else listed(methods)
-    params = settings_by_method(settings or [], names, presets)
+    with as_typed(method="methods"):
+        params = settings_by_method(settings or [], names, presets)
     truth = None if reference is None else read_color("reference", reference)
     command = "refdof " + shlex.join(sys.argv[1:])
     with progress_line() as tell:
@@ -134,7 +136,7 @@ def filter_files(
         print(json.dumps(rows_as_json(comparison, command), indent=2))
         return
     print(markdown_table([comparison]) if wide else terminal_table([comparison]))
-    print(f"Report: {out / 'report.html'}; all columns: {out / 'table.md'}, or --wide")
+    print(files_line(out, bool(wide)))
 
 
 def _lens(
@@ -159,10 +161,8 @@ def _lens(
     height = as_number("sensor", _SENSOR_MM if sensor is None else sensor, above=0.0)
     metres = metres_of(units)
     focal_mm = height / (2.0 * math.tan(math.radians(fov) / 2.0))
-    try:
+    with as_typed(focus_distance="focus", f_number="f-number"):
         return ThinLens.from_f_number(focal_mm / (_MM_PER_METRE * metres), f_number, focus)
-    except InputError as error:
-        raise InputError(str(error).replace("focus_distance", "focus").replace("f_number", "f-number")) from None
 
 
 def score(

@@ -11,6 +11,7 @@ import typer
 from refdof._check import InputError, as_number
 from refdof.image.atomic import atomic_folder, check_own_folder
 from refdof.optics.systems.data_sheet import FILM, DataSheet, data_sheet, focused
+from refdof.optics.systems.paraxial import nearest_focus
 from refdof.optics.systems.prescription import LENSES, load_lens
 from refdof.options import AsJson, Threads, set_threads
 from refdof.report.text import one_line
@@ -49,8 +50,11 @@ def lens(
     system = load_lens(file)
     try:
         system = focused(system, distance)
-    except InputError as error:
-        raise InputError(str(error).replace("focus_distance:", "focus:", 1)) from None
+    except InputError:
+        nearest = nearest_focus(system)
+        if distance > nearest:
+            raise
+        raise InputError(f"focus: got {focus:g}; allowed is more than {nearest / 1000.0:.6g} metres") from None
     sheet = data_sheet(system, distance)
     if out is not None:
         from refdof.report.lens_drawings import draw_lens  # matplotlib is slow to import

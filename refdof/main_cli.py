@@ -10,7 +10,7 @@ from refdof._check import InputError, as_choice
 from refdof.compare import warming_up
 from refdof.export import export_view, save_stages, with_declared_stages
 from refdof.image.arrays import check_arrays_folder
-from refdof.image.atomic import check_folder
+from refdof.image.atomic import check_file
 from refdof.image.file import SUFFIXES, save_image
 from refdof.listing_cli import in_words
 from refdof.methods import METHODS
@@ -42,6 +42,7 @@ from refdof.options import (
     Up,
     Wavelengths,
     listed,
+    pixel_of,
     refuse_ignored,
     say_rounded,
     set_threads,
@@ -107,8 +108,8 @@ def render(
     if stages is None:
         refuse_ignored("without --stages", "with it", steps=steps, pixel=pixel)
     if output.suffix.lower() not in SUFFIXES:
-        raise InputError(f"output: got {output.name!r}; allowed are names that end in {', '.join(SUFFIXES)}")
-    check_folder(output.parent, "output")
+        raise InputError(f"output: got {str(output)!r}; allowed are names that end in {', '.join(SUFFIXES)}")
+    check_file(output, "output")
     if stages is not None:
         check_arrays_folder(stages, "stages")
     params = settings_of(settings or [], seed=seed, samples=samples)
@@ -124,13 +125,14 @@ def render(
         with warming_up([(method, preset)] if scene in SCENES else []):
             look = SceneChoice(shading, background, limit, no_file_camera)
             loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
+        _check_pixels(pixel, camera.size)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         photographic = photographic_facts(view, chosen)
         tell(f"{scene}: {method}{compiling}", 0, 0)
         result = render_view(method, view, wanted if stages is not None else False, preset, **params)
         if stages is not None:
             save_stages(method, view, result, stages)
-        save_image(output, result.image)
+        save_image(output, result.image, "output")
     facts = {
         "output": str(output),
         **({} if stages is None else {"stages": str(stages)}),
@@ -180,9 +182,10 @@ def export(
     Each array is written as NPY and as raw little-endian numbers; arrays.json tells shapes, units and conventions.
     """
     set_threads(threads)
+    check_arrays_folder(out)
     names = listed(methods) if methods is not None else with_declared_stages()
     for name in names:
-        as_choice("method", name, METHODS)
+        as_choice("methods", name, METHODS)
     wanted = stages_of(steps, pixel, names)
     params = settings_by_method(settings or [], names, ["best"])
     seen = CameraChoice(size, eye, target, up, fov)
@@ -191,6 +194,7 @@ def export(
     with progress_line(f"{scene}: scene") as tell:
         look = SceneChoice(shading, background, limit, no_file_camera)
         loaded, camera, lens = scene_camera_lens(scene, seen, chosen, look)
+        _check_pixels(pixel, camera.size)
         view = View(loaded, camera, lens_of_points(focus_points, loaded, camera, lens, chosen))
         facts = {"out": str(out), "methods": ",".join(names), **photographic_facts(view, chosen)}
         tell(f"{scene}: layers and {', '.join(names) or 'no method'}", 0, 0)
@@ -205,3 +209,10 @@ def warm() -> None:
     """
     with progress_line() as tell:
         compile_jobs([REFERENCE, *(job_of(name, preset) for name in METHODS for preset in PRESETS)], tell)
+
+
+def _check_pixels(pixels: list[str] | None, size: tuple[int, int]) -> None:
+    """Raise if a pixel is none of a picture of this size."""
+    for text in pixels or []:
+        if not all(place < side for place, side in zip(pixel_of(text), size, strict=True)):
+            raise InputError(f"pixel: got {text!r}; allowed are 0,0 .. {size[0] - 1},{size[1] - 1}")

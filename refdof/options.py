@@ -13,6 +13,7 @@ from refdof.methods import METHODS
 from refdof.scene.material import SHADINGS
 from refdof.stages import Stages
 from refdof.truth.reference import MAX_SAMPLES
+from refdof.typed import as_typed
 
 __all__ = [
     "DEFAULT_SCENE",
@@ -21,6 +22,8 @@ __all__ = [
     "Background",
     "Eye",
     "FNumber",
+    "FieldFocalLength",
+    "FieldSensor",
     "FocalLength",
     "Focus",
     "FocusPoints",
@@ -43,6 +46,8 @@ __all__ = [
     "Size",
     "Steps",
     "Target",
+    "ThinFNumber",
+    "ThinUnits",
     "Threads",
     "Tolerance",
     "Units",
@@ -71,7 +76,7 @@ Background = Annotated[
     str | None,
     typer.Option("--background", metavar="R,G,B", help="Linear colour behind everything. Default: the scene's own."),
 ]
-_PLACE = "X,Y,Z"
+_PLACE, _UNITS = "X,Y,Z", "m|cm|mm|inch|ft|METRES"
 Eye = Annotated[
     str | None, typer.Option("--eye", metavar=_PLACE, help="Where the camera stands. Default: the scene's own.")
 ]
@@ -108,6 +113,13 @@ FNumber = Annotated[
         "--focal-length or --sensor, it sets the lens radius.",
     ),
 ]
+ThinFNumber = Annotated[  # of a command without --lens
+    float | None,
+    typer.Option(
+        "--f-number",
+        help="Focal length over the lens's diameter: with --focal-length or --sensor, it sets the lens radius.",
+    ),
+]
 FocalLength = Annotated[
     float | None,
     typer.Option(
@@ -115,6 +127,10 @@ FocalLength = Annotated[
         metavar="MM",
         help="In millimetres: with --f-number it sets the lens radius, with --sensor the field of view.",
     ),
+]
+FieldFocalLength = Annotated[  # of a command without --f-number
+    float | None,
+    typer.Option("--focal-length", metavar="MM", help="In millimetres: with --sensor it sets the field of view."),
 ]
 Sensor = Annotated[
     float | None,
@@ -125,13 +141,25 @@ Sensor = Annotated[
         "--f-number, the focal length follows from the field of view.",
     ),
 ]
+FieldSensor = Annotated[
+    float | None,
+    typer.Option(
+        "--sensor",
+        metavar="MM",
+        help="Height of the sensor in millimetres: with --focal-length it sets the field of view.",
+    ),
+]
 Units = Annotated[
     str | None,
     typer.Option(
         "--units",
-        metavar="m|cm|mm|inch|ft|METRES",
+        metavar=_UNITS,
         help="What a scene unit is, for --f-number; a --lens then has its own size. Default: m.",
     ),
+]
+ThinUnits = Annotated[
+    str | None,
+    typer.Option("--units", metavar=_UNITS, help="What a scene unit is, for --f-number. Default: m."),
 ]
 Wavelengths = Annotated[
     int | None,
@@ -202,8 +230,6 @@ MethodSettings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="METHOD.KEY=VALUE", help="Set a parameter of one method; repeatable."),
 ]
-
-
 Steps = Annotated[
     str | None,
     typer.Option(
@@ -259,7 +285,8 @@ def stages_of(steps: str | None, pixels: list[str] | None, methods: Sequence[str
     if not any(stage.axes.startswith("P ") for stage in declared):
         refuse_ignored(none, "with one whose stages have probes, see `refdof methods --json`", pixel=pixels)
     places = None if pixels is None else tuple(pixel_of(text) for text in pixels)
-    return Stages(None if steps is None else _whole("steps", steps), places)
+    with as_typed(pixels="pixel"):
+        return Stages(None if steps is None else _whole("steps", steps), places)
 
 
 def pixel_of(text: str) -> tuple[int, int]:

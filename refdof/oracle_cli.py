@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from refdof._check import InputError, as_number
-from refdof.image.atomic import check_folder, write_text
+from refdof.image.atomic import check_file, write_text
 from refdof.options import AsJson, Threads, listed, refuse_ignored, set_threads
 from refdof.oracle import check_source, write_pack
 from refdof.oracle.cases import LEVELS
@@ -21,6 +21,7 @@ from refdof.oracle.shaders import of_shader
 from refdof.oracle.sources import Source, of_command, of_folder
 from refdof.oracle.verdict import FAIL
 from refdof.oracle.waivers import read_waivers
+from refdof.typed import as_typed
 
 __all__ = ["add_commands"]
 
@@ -76,7 +77,8 @@ def golden(
     A port needs the pack only, not refdof: its README says what to read and what to write.
     """
     set_threads(threads)
-    names = write_pack(out, level, None if methods is None else listed(methods), update=update, exr=exr)
+    with as_typed(method="methods"):
+        names = write_pack(out, level, None if methods is None else listed(methods), update=update, exr=exr)
     files = [path for path in out.rglob("*") if path.is_file()]
     facts = {"out": str(out), "cases": len(names), "bytes": sum(path.stat().st_size for path in files)}
     print(json.dumps(facts) if as_json else ", ".join(f"{key}={value}" for key, value in facts.items()))
@@ -134,17 +136,17 @@ def check(
     from refdof.oracle.page import Pictures, check_page  # templates and pictures are slow to import
 
     pictures = Pictures()
-    with _source(results, impl, shader, bindings, timeout) as source:
+    with as_typed(not_supported="not-supported"), _source(results, impl, shader, bindings, timeout) as source:
         report = check_source(source, pack, tell, plan, pictures.add if html_file is not None else None)
         for line in report.warnings:
             print(f"warning: {line}", file=sys.stderr)
         print(", ".join(f"{count} {status}" for status, count in report.counts().items() if count))
         if html_file is not None:
-            write_text(html_file, check_page(report, pictures))
+            write_text(html_file, check_page(report, pictures), "html")
         if json_file is not None:
-            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n")
+            write_text(json_file, json.dumps(report.as_json(), indent=1, allow_nan=False) + "\n", "json")
         if junit_file is not None:
-            write_text(junit_file, junit(report))
+            write_text(junit_file, junit(report), "junit")
         if report.counts()[FAIL]:
             single = report.outcomes[0].case if len(report.outcomes) == 1 else None
             for line in diagnose_source(source, pack, single, probes=False).lines():
@@ -174,7 +176,7 @@ def diagnose(
     for line in found.lines():
         print(line)
     if json_file is not None:
-        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n")
+        write_text(json_file, json.dumps(found.as_json(), indent=1, allow_nan=False) + "\n", "json")
     raise typer.Exit(0 if found.key == "none" else 1)
 
 
@@ -184,9 +186,7 @@ def _check_files(**files: Path | None) -> None:
     for name, file in files.items():
         if file is None:
             continue
-        if file.exists() and not file.is_file():
-            raise InputError(f"{name}: got {str(file)!r}, which is not a regular file; allowed is the path of a file")
-        check_folder(file.parent, name)
+        check_file(file, name)
         if file.resolve() in seen:
             raise InputError(f"{name}: got {str(file)!r}, as {seen[file.resolve()]} has; allowed is another file")
         seen[file.resolve()] = name

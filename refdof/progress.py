@@ -1,5 +1,7 @@
 """Progress: one line on stderr, where stderr is a terminal: what is done now, and how much of all.
 
+Elsewhere a line is written only before functions are compiled, which takes minutes.
+
 The line comes in two parts, since what draws the second takes a second to import:
 
 1. a word at once, while a command is imported        `say_at_once`
@@ -13,9 +15,11 @@ from typing import Any
 
 __all__ = ["overall", "progress_line", "say_at_once"]
 
+_COMPILING = "compiling"
+_SLOW = "refdof: compiling what was not used before; some minutes, the first time only"
 _CLEAR = "\r\x1b[2K"  # go to the line's start and empty it
 # What a comparison does, one after the other; a name that is not here is a method's.
-_GROUPS = ("compiling", "reference", "methods", "scores", "artefacts", "kernels", "lens chart", "motion")
+_GROUPS = (_COMPILING, "reference", "methods", "scores", "artefacts", "kernels", "lens chart", "motion")
 
 
 @contextmanager
@@ -52,8 +56,13 @@ def progress_line(first: str = "scene") -> Iterator[Any]:
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         line = bar.add_task(first, total=None)
+        said = console.is_terminal
 
         def tell(what: str, done: int, count: int) -> None:
+            nonlocal said
+            if not said and what.rpartition(": ")[2] == _COMPILING:
+                print(_SLOW, file=sys.stderr, flush=True)
+                said = True
             bar.update(line, description=what, completed=done, total=count or None)
 
         yield tell

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from refdof._check import InputError, as_color, as_number, as_pair
+from refdof._check import InputError, as_color, as_number
 from refdof.focus.focus_file import load_focus
 from refdof.focus.focus_lens import focus_lens
 from refdof.optics.camera import Camera
@@ -22,9 +22,11 @@ from refdof.options import listed, metres_of, refuse_ignored
 from refdof.scene.limits import Limits
 from refdof.scene.load import load_scene
 from refdof.scene.scene import Scene
+from refdof.typed import as_typed
 from refdof.view import View
 
 __all__ = [
+    "THIN",
     "CameraChoice",
     "LensChoice",
     "SceneChoice",
@@ -34,6 +36,15 @@ __all__ = [
     "size_of",
 ]
 
+THIN = ("f-number", "focal-length", "sensor")  # the options of a lens that a command without --lens has
+_OPTIONS = {  # by arguments of a camera or a lens
+    "radius": "lens-radius",
+    "focus_distance": "focus",
+    "f_number": "f-number",
+    "fov_y": "fov",
+    "focal_length": "focal-length",
+}
+_LARGEST_SIDE = 32768
 _PLACES = ("eye", "target", "up")
 
 
@@ -84,6 +95,7 @@ class LensChoice:
     focal_length: float | None = None  # [mm]
     sensor: float | None = None  # height [mm]
     units: str | None = None
+    known: tuple[str, ...] = ("lens", *THIN)  # options that the command has, which errors may name
 
     def metres(self) -> float:
         """How many metres a scene unit has."""
@@ -129,19 +141,23 @@ class LensChoice:
             return
         refuse_ignored("without --lens", "with it", wavelengths=self.wavelengths, no_vignetting=self.no_vignetting)
         if self.focal_length is None and self.sensor is None:
-            others = "without --lens, --focal-length or --sensor"
-            refuse_ignored(others, "with one of them", f_number=self.f_number)
+            self._refuse_without("lens", "focal-length", "sensor", f_number=self.f_number)
         if self.f_number is None:
-            refuse_ignored("without --f-number or --lens", "with one of them", units=self.units)
+            self._refuse_without("f-number", "lens", units=self.units)
             if self.sensor is None:
-                others = "without --f-number or --sensor"
-                refuse_ignored(others, "with one of them", focal_length=self.focal_length)
+                self._refuse_without("f-number", "sensor", focal_length=self.focal_length)
             if self.focal_length is None:
-                refuse_ignored("without --f-number or --focal-length", "with one of them", sensor=self.sensor)
+                self._refuse_without("f-number", "focal-length", sensor=self.sensor)
         else:
             refuse_ignored("with --f-number, which sets it", "without it", lens_radius=self.radius)
         if self.focal_length is not None and self.sensor is not None:
             refuse_ignored("with --focal-length and --sensor, which set it", "without one of them", fov=fov)
+
+    def _refuse_without(self, *others: str, **option: Any) -> None:
+        """Refuse an option that needs one of these others, of which those are named that the command has."""
+        names = [f"--{name}" for name in others if name in self.known]
+        words = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        refuse_ignored(f"without {words}", "with it" if len(names) == 1 else "with one of them", **option)
 
 
 def scene_camera_lens(
@@ -164,7 +180,7 @@ def scene_camera_lens(
         parts["fov_y"] = fov
     system = None if lens.file is None else load_lens(lens.file)
     scene = choice.load(name)
-    try:
+    with as_typed(**_OPTIONS):
         seen = replace(scene.camera, **parts)
         thin = lens.thin(scene.lens, seen)
         if system is None:
@@ -177,8 +193,6 @@ def scene_camera_lens(
             scale = entrance_pupil(system).radius / thin.radius
         count = 3 if lens.wavelengths is None else lens.wavelengths
         real = SystemLens(system, thin.focus_distance, lens.f_number, scale, count, not lens.no_vignetting)
-    except InputError as error:
-        raise InputError(_by_option(str(error))) from None
     return scene, real.seen_by(seen), real
 
 
@@ -195,10 +209,8 @@ def photographic_facts(view: View, choice: LensChoice) -> dict[str, float]:
     focal = choice.focal_mm(view.camera)
     if choice.f_number is None or focal is None or type(view.lens) is not ThinLens:
         return {}
-    try:
+    with as_typed(**_OPTIONS):
         share = photographic_share(focal / 1000.0 / choice.metres(), view.lens.focus_distance)
-    except InputError as error:
-        raise InputError(_by_option(str(error))) from None
     return {
         "lens_radius": view.lens.radius,
         "focal_length_mm": round(focal, 6),
@@ -221,20 +233,13 @@ def lens_of_points(points: Path | None, scene: Scene, camera: Camera, lens: Thin
     return focus_lens(load_focus(points), View(scene, camera, lens))
 
 
-def _by_option(message: str) -> str:
-    """An error of a camera or a lens, by the name of the option."""
-    options = {"radius": "lens-radius", "focus_distance": "focus", "f_number": "f-number"}
-    options |= {"fov_y": "fov", "focal_length": "focal-length"}
-    name, colon, rest = message.partition(":")
-    return options.get(name, name) + colon + rest
-
-
-def size_of(text: str) -> tuple[int, int]:
-    """'WIDTHxHEIGHT' as two numbers."""
+def size_of(text: str, name: str = "size") -> tuple[int, int]:
+    """'WIDTHxHEIGHT' as two numbers; `name` is the option's."""
     width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit()):
-        raise InputError(f"size: got {text!r}; allowed is WIDTHxHEIGHT, such as 640x480")
-    return as_pair("size", (width, height), minimum=1, maximum=32768)
+    if not all(side.isdecimal() and len(side) < 10 and 1 <= int(side) <= _LARGEST_SIDE for side in (width, height)):
+        allowed = f"WIDTHxHEIGHT, such as 640x480, with sides of 1 to {_LARGEST_SIDE}"
+        raise InputError(f"{name}: got {text!r:.80}; allowed is {allowed}")
+    return int(width), int(height)
 
 
 def _place(name: str, text: str) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from refdof._check import InputError, as_choice
-from refdof.image.atomic import check_folder, write_text
+from refdof.image.atomic import check_file, write_text
 from refdof.methods import METHODS
 from refdof.options import AsJson, Threads, listed, set_threads
 from refdof.progress import progress_line
@@ -49,7 +49,7 @@ def stability(
         as_choice("methods", name, METHODS)
     cases = CASES if only is None else _named(_distinct("only", listed(only)))
     if html_file is not None:
-        _check_file(html_file)
+        check_file(html_file, "html")
     with progress_line("stability") as tell:
         if only is None:
             warm([job_of(name, "best") for name in names], tell, at_least=2)
@@ -89,10 +89,3 @@ def _distinct(option: str, names: Sequence[str]) -> list[str]:
         if list(names).count(name) > 1:
             raise InputError(f"{option}: got {name!r:.80} twice; allowed is once")
     return list(names)
-
-
-def _check_file(file: Path) -> None:
-    """Raise before a long run if the page cannot be written."""
-    if file.exists() and not file.is_file():
-        raise InputError(f"html: got {str(file)!r}, which is not a regular file; allowed is the path of a file")
-    check_folder(file.parent, "html")

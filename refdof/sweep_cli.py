@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from refdof._check import InputError, as_choice, as_number
+from refdof._check import InputError, as_choice
 from refdof._files import as_plain_file
 from refdof.cluster import connected
 from refdof.compare import check_window
@@ -59,13 +59,12 @@ from refdof.report.rows import plain
 from refdof.scene.builtin import SCENES
 from refdof.settings import settings_by_method
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, scene_camera_lens, size_of
-from refdof.sweep.cost import CostModel, fitted
+from refdof.sweep.answers import answers_of, in_words, models_of, predictions_of
 from refdof.sweep.front import front
-from refdof.sweep.measured import Measured
 from refdof.sweep.plan import SHOT_AXES, Job, Shot, axis_of, jobs_of, shots_of
 from refdof.sweep.results import Results
 from refdof.sweep.run import ReferenceChoice, sweep
-from refdof.sweep.words import budget_answer, by_shot, front_table, quality_answer, setting, time_in_words
+from refdof.sweep.words import by_shot, front_table
 from refdof.sweep.write import write_report
 from refdof.view import View
 from refdof.warm import REFERENCE, job_of, warm
@@ -114,7 +113,12 @@ def sweep_command(
     ] = None,
     predict: Annotated[
         str | None,
-        typer.Option("--predict", metavar="WxH,...", help="Tell the times at these sizes, by the cost of the points."),
+        typer.Option(
+            "--predict",
+            metavar="WxH,...",
+            help="Tell the times at these sizes, by the cost of the points: of what answers --budget or --quality, or "
+            "of the slowest setting of each method.",
+        ),
     ] = None,
     out: Annotated[
         Path,
@@ -171,7 +175,7 @@ def sweep_command(
         None if budget is None else _quantity("budget", budget, {"ms": 1e-3, "s": 1.0, "us": 1e-6}),
         None if quality is None else _quantity("quality", quality, {"dB": 1.0, "": 1.0}),
     )
-    sizes = [size_of(text) for text in listed(predict)] if predict is not None else []
+    sizes = [size_of(text, "predict") for text in listed(predict)] if predict is not None else []
     check_folder(out)
     wanted = scenes or (list(SCENES) if preset is not None else [DEFAULT_SCENE])
     seen = CameraChoice(size, eye, target, up, fov)
@@ -205,24 +209,25 @@ def sweep_command(
 
             keys = sweep(chain([first], every), jobs, results, choice, count, cluster, command, tell)
             points = results.points(dict.fromkeys(keys))
-            models = _models(points)
+            models = models_of(points)
             tell("report", 0, 0)
             write_report(points, models, results, out, "refdof " + shlex.join(sys.argv[1:]))
-    answers = _answers(points, *limits)
-    predicted = [_prediction(model, points, size) for model in models for size in sizes]
+    answers = answers_of(points, *limits)
+    predicted, lacks = predictions_of(points, sizes, *limits)
     if as_json:
         facts = {
             "points": [plain(asdict(point)) for point in points],
             "fronts": {name: [point.key for point in front(own)] for name, own in by_shot(points).items()},
             "costs": [plain(asdict(model)) for model in models],
             "predictions": predicted,
+            "not_predicted": lacks,
             "answers": answers,
         }
         print(json.dumps(facts, indent=2))
         return
     for name, own in by_shot(points).items():
         print(f"### {name}\n\n{front_table(own)}\n")
-    for line in [*map(str, models), *map(_in_words, predicted), *(answer["words"] for answer in answers)]:
+    for line in [*map(str, models), *map(in_words, predicted), *lacks, *(answer["words"] for answer in answers)]:
         print(line)
     known = len(before & set(keys))
     print(f"{len(points)} points, {known} of them from earlier runs. Report: {out / 'report.html'}")
@@ -250,42 +255,6 @@ def _render_command(shot: Shot, job: Job, said: Sequence[str]) -> str:
     return shlex.join([*words, "-o", f"{job.method}.png"])
 
 
-def _models(points: Sequence[Measured]) -> list[CostModel]:
-    """The cost of each method where enough was varied."""
-    by_method: dict[str, list[Measured]] = {}
-    for point in points:
-        by_method.setdefault(point.method, []).append(point)
-    return [model for model in map(fitted, by_method.values()) if model is not None]
-
-
-def _answers(points: Sequence[Measured], budget: float | None, quality: float | None) -> list[dict[str, Any]]:
-    found = []
-    for name, own in by_shot(points).items():
-        if budget is not None:
-            found.append({"shot": name, "budget_s": budget, "words": budget_answer(own, budget)})
-        if quality is not None:
-            found.append({"shot": name, "quality_db": quality, "words": quality_answer(own, quality)})
-    return found
-
-
-def _prediction(model: CostModel, points: Sequence[Measured], size: tuple[int, int]) -> dict[str, Any]:
-    """What the slowest point of a method takes at another size, its circles growing with the rows."""
-    point = max((point for point in points if point.method == model.method), key=lambda point: point.time_s)
-    seconds = model.predict(point, size[0] * size[1], point.mean_coc_px * size[1] / point.height)
-    return {
-        "method": model.method,
-        "scene": point.scene,
-        "setting": setting(point),
-        "size": f"{size[0]}x{size[1]}",
-        "seconds": seconds,
-    }
-
-
-def _in_words(predicted: dict[str, Any]) -> str:
-    what = f"{predicted['method']} with {predicted['setting']} on {predicted['scene']}"
-    return f"{what} at {predicted['size']}: {time_in_words(predicted['seconds'])} predicted"
-
-
 def _quantity(name: str, text: str, units: dict[str, float]) -> float:
     """A number and its unit, in seconds or dB."""
     found = re.fullmatch(r"([0-9.eE+-]+) *([A-Za-z]*)", text.strip())
@@ -296,4 +265,6 @@ def _quantity(name: str, text: str, units: dict[str, float]) -> float:
         value = float(found[1])
     except ValueError:
         raise InputError(f"{name}: got {text!r}; allowed is {allowed}") from None
-    return as_number(name, value, above=0.0) * units[found[2]]
+    if not 0.0 < value < math.inf:
+        raise InputError(f"{name}: got {text!r}; allowed is {allowed}, above 0 and finite")
+    return value * units[found[2]]

@@ -30,7 +30,8 @@ def run(*words):
 )
 def test_rounded_counts_of_the_reference_are_said(tmp_path, asked, said):
     words = ["compare", "branches", "--methods", "singlepass", "--samples", asked, "--out", str(tmp_path / "out")]
-    assert run(*words, *SMALL).stderr == said
+    lines = run(*words, *SMALL).stderr.splitlines(keepends=True)
+    assert "".join(line for line in lines if "compiling" not in line) == said
     assert f"Reference: {said.split()[-1] if said else asked} samples" in (tmp_path / "out" / "table.md").read_text()
 
 

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from refdof import InputError
 from refdof.cli import app
+from refdof.command_group import COMMANDS
 
 pytestmark = pytest.mark.fast
 
@@ -37,14 +38,20 @@ REFUSED = [
       for words in SHOTS
       for option, value in (("wavelengths", "7"), ("no-vignetting", None))),
     *((words, option, value, why) for words in (*SHOTS, *THIN_SHOTS) for option, value, why in (
-        ("f-number", "2", "without --lens, --focal-length or --sensor"),
         ("focal-length", "50", "without --f-number or --sensor"),
         ("sensor", "24", "without --f-number or --focal-length"),
+    )),
+    *((words, *one) for words in SHOTS for one in (
+        ("f-number", "2", "without --lens, --focal-length or --sensor"),
         ("units", "cm", "without --f-number or --lens"),
     )),
+    *((words, *one) for words in THIN_SHOTS for one in (
+        ("f-number", "2", "without --focal-length or --sensor"),
+        ("units", "cm", "without --f-number"),
+    )),
     *((["pick", "fence", "--pixel", "1,1"], *one) for one in (
-        ("focal-length", "50", "without --f-number or --sensor"),
-        ("sensor", "24", "without --f-number or --focal-length"),
+        ("focal-length", "50", "without --sensor"),
+        ("sensor", "24", "without --focal-length"),
     )),
     *(([*words, "--lens", "biconvex"], option, value, "with --lens, which has its own")
       for words in SHOTS for option, value in (("focal-length", "50"), ("sensor", "24"))),
@@ -121,6 +128,22 @@ HEEDED = {
 }
 
 
+def command_of(name):
+    _, command, _ = typer.main.get_command(app).resolve_command(None, [name])
+    return command
+
+
+def options_of(name):
+    return {word[2:] for part in command_of(name).params for word in part.opts if word.startswith("--")}
+
+
+def named(text, command):
+    """The options that a text names, but for those of another command, in backquotes after it, which are looked up."""
+    for other, words in re.findall(r"`refdof ([a-z]+)\b([^`]*)`", text):
+        assert set(re.findall(r"--([a-z][a-z-]*)", words)) <= options_of(other)
+    return set(re.findall(r"--([a-z][a-z-]*)", re.sub(r"`refdof [^`]*`", "", text)))
+
+
 @pytest.fixture
 def told(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -143,6 +166,7 @@ def test_options_without_effect_are_refused(told, tmp_path, words, option, value
     value = "True" if value is None else value
     shown = rf"\[?'?{re.escape(value)}(?:\.0)?'?\]?" if number else rf"\[?'{re.escape(value)}'\]?"
     assert re.fullmatch(rf"{option}: got {shown} {re.escape(why)}; allowed with[^;]*", said)
+    assert named(said, words[0]) <= options_of(words[0])
     assert [path.name for path in tmp_path.iterdir()] == ["case"]
 
 
@@ -153,13 +177,18 @@ def test_two_values_for_one_thing_are_refused(told, words, said):
 
 def test_every_option_is_heeded_or_refused():
     """So that a new option comes into one of the tables."""
-    group = typer.main.get_command(app)
-    for name in group.list_commands(None):
-        _, command, _ = group.resolve_command(None, [name])
-        options = {word[2:] for part in command.params for word in part.opts if word.startswith("--")}
+    for name in COMMANDS:
+        options = options_of(name)
         sometimes = {option for words, option, *_ in REFUSED if words[0] == name}
         assert options - {"help"} == sometimes | set(HEEDED[name].split()), name
         assert not sometimes & set(HEEDED[name].split()), name
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_names_the_options_of_its_command_only(name):
+    command = command_of(name)
+    for text in (command.help, *(getattr(part, "help", None) or "" for part in command.params)):
+        assert named(text, name) <= options_of(name), text
 
 
 def test_what_the_options_need_is_accepted(told):

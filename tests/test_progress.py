@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from refdof.progress import overall
+from refdof.progress import overall, progress_line
 
 pytestmark = pytest.mark.fast
 
@@ -59,6 +59,21 @@ def test_compare_counts_all_scenes(tmp_path):
     shares = [int(share) for share in re.findall(r"(\d+)%", shown)]
     assert shares == sorted(shares)
     assert "cans (2 of 2): " in shown
+
+
+def test_without_a_terminal_only_compiling_is_said_once(capsys):
+    with progress_line() as tell:
+        share = overall(tell, "fence", 0, 1)
+        share("scores", 0, 2)
+        assert capsys.readouterr().err == ""
+        for tell_compiling in (share, tell):  # of a comparison, and of other commands
+            tell_compiling("compiling", 0, 3)
+            tell_compiling("compiling", 3, 3)
+    said = "refdof: compiling what was not used before; some minutes, the first time only\n"
+    assert capsys.readouterr().err == said
+    with progress_line() as tell:
+        tell("compiling", 0, 3)
+        assert capsys.readouterr().err == said  # before it is done
 
 
 def test_shares_grow_over_steps_and_scenes():

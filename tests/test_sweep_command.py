@@ -80,7 +80,10 @@ def test_again_nothing_is_measured(swept):
         before = {row["measured_at"] for row in csv.DictReader(file)}
     assert {point["measured_at"] for point in again["points"]} == before
     assert [answer["quality_db"] for answer in again["answers"]] == [99.0, 99.0]
-    assert "nothing has 99 dB; the best is" in again["answers"][0]["words"]
+    assert re.search(
+        r"99 dB lies above the reference's noise floor of \d\d\.\d dB: more --samples are needed; the best is",
+        again["answers"][0]["words"],
+    )
     keys = {point["key"] for point in again["points"]}
     assert all(set(front) <= keys and front for front in again["fronts"].values())
     assert "16 points, 16 of them from earlier runs" in sweep("fence", "town", *SMALL, "--out", folder)
@@ -94,6 +97,10 @@ def test_predictions(tmp_path):
     (predicted,) = found["predictions"]
     assert (predicted["method"], predicted["size"]) == ("pyramidal", "192x128")
     assert 0.0 < predicted["seconds"] < 10.0
+    # Of what answers a quality, and a line for what cannot be predicted.
+    words = ("--method", "mipmap", "--vary", "delta=0.25,0.5", "--quality", "1dB", "--budget", "9s")
+    printed = sweep("fence", *words, *SMALL[2:], "--predict", "192x128", "--out", tmp_path)
+    assert re.search(r"^mipmap: nothing is predicted; with delta varied, at least 4 points", printed, re.MULTILINE)
 
 
 @pytest.mark.fast
@@ -103,13 +110,13 @@ def test_predictions(tmp_path):
         (["fence", "--method", "mipmat"], "method: got 'mipmat'; did you mean 'mipmap'?"),
         (["fence", "--method", "mipmap", "--vary", "delt=1,2"], "did you mean 'delta'?"),
         (["fence", "--vary", "samples="], "vary: got 'samples='; allowed is KEY=VALUE,VALUE,..."),
-        (["fence", "--vary", "size=1,2"], "size: got '1'; allowed is WIDTHxHEIGHT"),
+        (["fence", "--vary", "size=1,2"], "vary: size: got '1'; allowed is WIDTHxHEIGHT"),
         (["fence", "--budget", "50"], "budget: got '50'; allowed is NUMBERms or NUMBERs"),
-        (["fence", "--budget", "-5ms"], "budget: got -5; allowed is a finite number > 0"),
+        (["fence", "--budget", "-5ms"], "budget: got '-5ms'; allowed is NUMBERms or NUMBERs or NUMBERus, above 0"),
         (["fence", "--budget", "1e3.5ms"], "budget: got '1e3.5ms'"),
         (["fence", "--quality", "much"], "quality: got 'much'; allowed is NUMBERdB"),
         (["fence", "--quality", "32ms"], "quality: got '32ms'"),
-        (["fence", "--predict", "big"], "size: got 'big'"),
+        (["fence", "--predict", "big"], "predict: got 'big'"),
         (["fence", "--preset", "best"], "preset: got 'best'; allowed are tradeoff"),
         (["fenc", "--size", "24x16"], "did you mean 'fence'?"),
         (["fence", "no.obj", "--size", "24x16"], "scene: got 'no.obj': there is no such file"),

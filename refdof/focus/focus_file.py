@@ -45,15 +45,16 @@ def load_focus(path: str | Path, argument: str = "focus-points") -> Focus:
         If there is no such file, or something in it is missing, unknown or out of range.
     """
     file = as_plain_file(argument, path)
+    name = f"{argument}: {file.name}"
     if file.stat().st_size > _MOST_BYTES:
-        raise InputError(f"{file.name}: has {file.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
+        raise InputError(f"{name}: has {file.stat().st_size} bytes; allowed are at most {_MOST_BYTES}")
     try:
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError(f"{file.name}: is no text in UTF-8; allowed is a TOML file of focus points") from None
+        raise InputError(f"{name}: is no text in UTF-8; allowed is a TOML file of focus points") from None
     except OSError as error:
         raise InputError(f"{argument}: got {str(path)!r}: {error.strerror}; allowed is a file") from None
-    return parse_focus(file.name, text)
+    return parse_focus(name, text)
 
 
 def parse_focus(file: str, text: str) -> Focus:

@@ -41,14 +41,12 @@ def check_arrays_folder(folder: str | os.PathLike[str], argument: str = "out") -
         If the folder cannot be made, or holds other things than an earlier export.
     """
     target = as_path(argument, folder).resolve()
-    check_folder(target.parent, argument)  # where the new one is written
-    if target.exists():
-        check_folder(target, argument)
-        if any(target.iterdir()) and not _is_earlier(target):
-            raise InputError(
-                f"{argument}: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an "
-                "earlier export"
-            )
+    check_folder(folder, argument, beside=True)
+    if target.exists() and any(target.iterdir()) and not _is_earlier(target):
+        raise InputError(
+            f"{argument}: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, or an "
+            "earlier export"
+        )
 
 
 def save_arrays(

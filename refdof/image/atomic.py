@@ -14,7 +14,15 @@ from pathlib import Path
 from refdof._check import InputError
 from refdof._process import unfinished
 
-__all__ = ["atomic_folder", "atomic_path", "check_folder", "check_own_folder", "write_bytes", "write_text"]
+__all__ = [
+    "atomic_folder",
+    "atomic_path",
+    "check_file",
+    "check_folder",
+    "check_own_folder",
+    "write_bytes",
+    "write_text",
+]
 
 
 @contextmanager
@@ -37,9 +45,7 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
     try:
         final = Path(target).resolve()
         if final.exists() and not final.is_file():
-            raise InputError(
-                f"{argument}: got {str(target)!r}, which is not a regular file; allowed is the path of a file"
-            )
+            raise _irregular(argument, target)
         temporary = final.parent / f".refdof-{secrets.token_hex(8)}{final.suffix}"
         final.parent.mkdir(parents=True, exist_ok=True)
         temporary.touch(exist_ok=False)  # fails here, before any work, if the folder is read-only
@@ -59,7 +65,7 @@ def atomic_path(target: str | os.PathLike[str], argument: str = "out") -> Iterat
 
 def check_own_folder(folder: Path, own: Callable[[str], bool], argument: str = "out") -> None:
     """Raise if a folder cannot be written, or holds files other than those whose names are `own`."""
-    check_folder(folder, argument)
+    check_folder(folder, argument, beside=True)
     if folder.is_dir() and not all(own(path.name) for path in folder.iterdir()):
         raise InputError(
             f"{argument}: got {str(folder)!r}, which holds other files; allowed is a new or empty folder, "
@@ -114,21 +120,63 @@ def write_text(target: str | os.PathLike[str], text: str, argument: str = "out")
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
+def _irregular(argument: str, target: object) -> InputError:
+    return InputError(f"{argument}: got {str(target)!r}, which is not a regular file; allowed is the path of a file")
+
+
 def _unwritable(argument: str, target: object, error: Exception) -> InputError:
     reason = getattr(error, "strerror", None) or str(error)
     return InputError(f"{argument}: cannot write {str(target)!r} ({reason}); allowed is a path that can be written")
 
 
-def check_folder(folder: str | os.PathLike[str], argument: str = "out") -> None:
-    """Raise before a long run if `folder` cannot be made or written to; makes nothing.
+def check_folder(folder: str | os.PathLike[str], argument: str = "out", beside: bool = False) -> None:
+    """Raise before a long run if `folder` cannot be made or written to; leaves nothing.
+
+    Parameters
+    ----------
+    folder : path
+    argument : str
+        What an error message calls it.
+    beside : bool
+        Whether its parent is written to as well, as `atomic_folder` does.
 
     Raises
     ------
     InputError
-        If its nearest existing parent is no folder, or is not writable.
+        If its nearest existing parent is no folder, or no file can be made there.
     """
-    nearest = Path(folder).absolute()
-    while not nearest.exists() and nearest != nearest.parent:
-        nearest = nearest.parent
-    if not nearest.is_dir() or not os.access(nearest, os.W_OK):
-        raise InputError(f"{argument}: got {str(folder)!r}, but {nearest} is not a writable folder")
+    final = Path(folder).resolve()
+    if beside:
+        _check_place(final.parent, argument, folder)
+    _check_place(final, argument, folder)
+
+
+def check_file(file: str | os.PathLike[str], argument: str = "out") -> None:
+    """Raise before a long run if `file` cannot be written; leaves nothing.
+
+    Raises
+    ------
+    InputError
+        If it is no plain file, or none can be made in its folder.
+    """
+    final = Path(file).resolve()
+    try:
+        plain = final.is_file() or not final.exists()
+    except OSError as error:  # a name too long
+        raise _unwritable(argument, file, error) from None
+    if not plain:
+        raise _irregular(argument, file)
+    _check_place(final.parent, argument, file)
+
+
+def _check_place(place: Path, argument: str, got: object) -> None:
+    """Raise if no file can be made in the nearest existing folder: permissions do not tell, least of all for root."""
+    try:
+        while not place.exists() and place != place.parent:
+            place = place.parent
+        temporary = place / f".refdof-{secrets.token_hex(8)}"
+        with unfinished(temporary):
+            temporary.touch(exist_ok=False)
+            temporary.unlink()
+    except (OSError, ValueError):
+        raise InputError(f"{argument}: got {str(got)!r}, but {place} is not a writable folder") from None

@@ -104,11 +104,8 @@ def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
         Before a long run, if the folder cannot be made, or holds other things.
     """
     target = as_path("out", folder).resolve()
-    check_folder(target.parent)
-    if not target.exists():
-        return {}
-    check_folder(target)
-    if not any(target.iterdir()):
+    check_folder(folder, beside=True)
+    if not target.exists() or not any(target.iterdir()):
         return {}
     try:
         manifest = json.loads((target / MANIFEST).read_text(encoding="utf-8"))

@@ -62,8 +62,9 @@ def read_waivers(path: str | os.PathLike[str]) -> tuple[Waiver, ...]:
     InputError
         If it cannot be read, or a waiver lacks something or says more than it may.
     """
+    plain = as_plain_file("waivers", path)
     try:
-        with as_plain_file("waivers", path).open("rb") as file:
+        with plain.open("rb") as file:
             content = tomllib.load(file)
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"waivers: cannot read {os.fspath(path)!r} ({error}); allowed is a TOML file") from None

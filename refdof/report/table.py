@@ -6,6 +6,7 @@ import json
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from refdof.comparison import Comparison, Motion, Row
@@ -20,6 +21,7 @@ __all__ = [
     "artefact_texts",
     "columns",
     "csv_table",
+    "files_line",
     "footnote",
     "footnote_of_metrics",
     "markdown_table",
@@ -235,3 +237,9 @@ def aligned(head: list[str], body: list[list[str]], last_is_text: bool = True) -
 
 def _escape(text: str) -> str:
     return " ".join(text.replace("|", "\\|").split())
+
+
+def files_line(folder: Path, wide: bool) -> str:
+    """Where the report is, and the columns that a narrow table leaves out."""
+    table = f"table: {folder / 'table.md'}" if wide else f"all columns: {folder / 'table.md'}, or --wide"
+    return f"Report: {folder / 'report.html'}; {table}"

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from refdof._check import Float
 from refdof.sweep.measured import Measured
 
-__all__ = ["CostModel", "fitted"]
+__all__ = ["CostModel", "fitted", "lack"]
 
 _LEAST_TIME = 1e-6  # s; a clock shows no less
 _STEEPEST = 4.0  # of exponents
@@ -73,10 +73,10 @@ class CostModel:
 
 def fitted(points: Sequence[Measured]) -> CostModel | None:
     """The cost of one method, whose points may be of several scenes; None where too little was varied."""
+    if lack(points):
+        return None
     names = _names_of(points)
     scenes = list(dict.fromkeys(point.scene for point in points))
-    if not names or len(points) < 2 * len(scenes) + len(names) + 1:
-        return None
     at_scene = np.array([scenes.index(point.scene) for point in points])
     logs = np.log([[_values_of(point)[name] for name in names] for point in points])
     times = np.log([max(point.time_s, _LEAST_TIME) for point in points])
@@ -103,6 +103,17 @@ def fitted(points: Sequence[Measured]) -> CostModel | None:
         max(left_out, default=math.nan),
         len(points),
     )
+
+
+def lack(points: Sequence[Measured]) -> str:
+    """What the points of a method lack to be fitted, in words; empty if nothing."""
+    names = _names_of(points)
+    if not names:
+        return "neither the size nor a number of it was varied"
+    least = 2 * len({point.scene for point in points}) + len(names) + 1
+    if len(points) >= least:
+        return ""
+    return f"with {' and '.join(names)} varied, at least {least} points are needed, and there are {len(points)}"
 
 
 class _Model:

@@ -17,6 +17,7 @@ from refdof.optics.lens import ThinLens
 from refdof.rendering import make_params
 from refdof.settings import setting_of
 from refdof.shot import size_of
+from refdof.typed import as_typed
 from refdof.view import View
 
 __all__ = ["SHOT_AXES", "Axis", "Job", "Shot", "axis_of", "jobs_of", "shots_of"]
@@ -162,15 +163,14 @@ def shots_of(view: View, axes: Sequence[Axis]) -> list[Shot]:
         varied = {axis.name: value for axis, value in zip(own, values, strict=True)}
         seen = view
         if "size" in varied:
-            seen = seen.with_size(size_of(varied["size"]))
-        parts = {key: varied[name] for name, key in _LENS_FIELDS.items() if name in varied}
+            seen = seen.with_size(size_of(varied["size"], "vary: size"))
+        of_lens = [name for name in _LENS_FIELDS if name in varied]
+        parts = {_LENS_FIELDS[name]: varied[name] for name in of_lens}
         if parts:
             if type(view.lens) is not ThinLens:
-                raise InputError(f"vary: got {', '.join(parts)} with a lens that sets it; allowed with a thin lens")
-            try:
+                raise InputError(f"vary: got {', '.join(of_lens)} with a lens that sets it; allowed with a thin lens")
+            with as_typed(**{key: f"vary: {name}" for name, key in _LENS_FIELDS.items()}):
                 seen = seen.with_lens(replace(view.lens, **parts))
-            except InputError as error:
-                raise InputError(f"vary: {error}") from None
         shots.append(Shot(seen, varied))
     return shots
 

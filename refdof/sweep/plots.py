@@ -4,15 +4,15 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
+from refdof.report.log_ticks import name_ticks, second_in_words
 from refdof.sweep.front import front
 from refdof.sweep.measured import Measured
-from refdof.sweep.words import setting, shot_name, time_in_words
+from refdof.sweep.words import setting, shot_name
 
 __all__ = ["front_plot"]
 
 _MARKS = "osD^v<>Pph*X8"
 _PLAIN: Any = {"font.size": 9, "svg.hashsalt": "refdof", "svg.fonttype": "none", "axes.spines.top": False}
-_TICKS = [factor * 10.0**power for power in range(-6, 5) for factor in (1, 3)]
 
 
 def front_plot(points: Sequence[Measured], kind: str) -> bytes:
@@ -44,10 +44,7 @@ def front_plot(points: Sequence[Measured], kind: str) -> bytes:
                 0.01, floor - 2.8, "noise floor of the reference", transform=axes.get_yaxis_transform(), color="0.4"
             )
         axes.set_xscale("log")
-        low, high = axes.get_xlim()
-        axes.set_xticks([tick for tick in _TICKS if low <= tick <= high])
-        axes.set_xticklabels([time_in_words(tick) for tick in axes.get_xticks()])
-        axes.minorticks_off()
+        name_ticks(axes.xaxis, second_in_words)
         axes.set(xlabel="layers and method, warm", ylabel="PSNR [dB]", title=shot_name(points[0]))
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
         return _bytes(figure, kind)

@@ -53,6 +53,11 @@ def front_table(points: Sequence[Measured]) -> str:
 def quality_answer(points: Sequence[Measured], quality: float) -> str:
     """The fastest point of a shot with at least this PSNR [dB], in a sentence, and the command that renders it."""
     found, shot = fastest(points, quality), shot_name(points[0])
+    floor = points[0].noise_floor_psnr
+    if quality > floor:
+        best = found or max(points, key=lambda point: point.scores["psnr"])
+        above = f"{quality:g} dB lies above the reference's noise floor of {floor:.1f} dB"
+        return f"{shot}: {above}: more --samples are needed; the best is {_told(best)}.\n    {best.command}"
     if found is None:
         best = max(points, key=lambda point: point.scores["psnr"])
         return f"{shot}: nothing has {quality:g} dB; the best is {_told(best)}.\n    {best.command}"

@@ -84,6 +84,7 @@ def _rows(points: Sequence[Measured]) -> list[dict[str, Any]]:
             ],
             "front": point.key in best,
             "floor": point.scores["psnr"] > point.quality,
+            "noise_floor": plain(point.noise_floor_psnr),
             "command": point.command,
         }
         for point in sorted(points, key=lambda point: (point.time_s, point.key))

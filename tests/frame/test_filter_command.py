@@ -171,7 +171,9 @@ def test_scores_with_a_reference_are_those_of_metrics(exported, tmp_path):
     assert "made elsewhere, noise unknown." in (tmp_path / "out" / "table.md").read_text()
     page = (tmp_path / "out" / "report.html").read_text()
     assert named_images(page)[:3] == ["reference", "pinhole", "scatter"]
-    assert run(*words, "--out", tmp_path / "wide", "--wide").count("|") > 30
+    printed = run(*words, "--out", tmp_path / "wide", "--wide")
+    assert printed.count("|") > 30
+    assert printed.endswith(f"\nReport: {tmp_path}/wide/report.html; table: {tmp_path}/wide/table.md\n")
 
 
 def test_f_numbers_by_hand(exported, tmp_path):
@@ -224,7 +226,7 @@ WRONG = [
     ([*LENS, "--near", 1], "near: got 1 for planar, which has no such plane"),
     ([*LENS, "--depth-kind", "reversed", "--near", 1, "--far", 2], "depth: largest value is"),
     ([*LENS, "--methods", "accumulation"], "methods: got 'accumulation', which needs triangles; allowed on this frame"),
-    ([*LENS, "--methods", "scater"], "method: got 'scater'; did you mean 'scatter'?"),
+    ([*LENS, "--methods", "scater"], "methods: got 'scater'; did you mean 'scatter'?"),
     ([*LENS, "--reference", "small.npy"], r"reference: got shape \(2, 2, 3\); allowed is"),
     ([*LENS, "--reference", "none.npy"], "reference: got 'none.npy': there is no such file"),
     ([*LENS, "--out", "file"], "out: got 'file', but"),

@@ -70,6 +70,11 @@ def test_words():
         points, 32.0
     )
     assert "nothing has 36 dB; the best is lensblur with samples=16: 35.00 dB" in quality_answer(points, 36.0)
+    assert quality_answer(points, 60.5).splitlines() == [
+        "fence, 320 x 240: 60.5 dB lies above the reference's noise floor of 60.0 dB: more --samples are needed; the "
+        "best is lensblur with samples=16: 35.00 dB in 500 ms.",
+        "    refdof render fence --method lensblur --set samples=16 -o lensblur.png",
+    ]
     table = front_table(points)
     assert all(len(line) <= 80 for line in table.splitlines())
     assert len(table.splitlines()) == 4

@@ -56,6 +56,9 @@ def test_a_budget_a_quality_and_both(page):
     page.fill("#quality", "33")
     assert answers(page) == ["Nothing fits.", "Nothing fits."]
     assert not page.query_selector(".command").is_visible()
+    page.fill("#quality", "60.5")
+    assert answers(page) == ["Nothing fits: the reference's noise floor is at 60.0 dB."] * 2
+    page.fill("#quality", "33")
     page.fill("#budget", "")
     assert answers(page) == ["lensblur, samples=16: 34.00 dB in 200 ms", "Nothing fits."]
 

@@ -96,14 +96,14 @@ def test_shots():
 def test_bad_shots():
     for text, says in {
         "size=16": "size: got '16'; allowed is WIDTHxHEIGHT",
-        "focus=-1": "vary: focus_distance: got -1",
-        "lens_radius=wide": "vary: radius: got",
+        "focus=-1": "vary: focus: got -1",
+        "lens_radius=wide": "vary: lens_radius: got",
     }.items():
         with pytest.raises(InputError, match=says):
             shots_of(small_view(), [axis_of(text)])
     view = small_view()
     real = View(view.scene, view.camera, SystemLens(load_lens("double_gauss"), 2.0, None, 100.0))
-    with pytest.raises(InputError, match="vary: got focus_distance with a lens that sets it"):
+    with pytest.raises(InputError, match="vary: got focus with a lens that sets it"):
         shots_of(real, [axis_of("focus=1,2")])
 
 

@@ -40,7 +40,8 @@ def test_deeplens_65_focus_one_rounding_from_the_focal_length():
 
 
 def test_pbrt_v3_122_focus_too_near_for_a_real_lens():
-    with pytest.raises(InputError, match=r"focus_distance: got 10 mm; allowed is more than [\d.]+ mm"):
+    allowed = r"more than [\d.]+ scene units of 1000 mm"
+    with pytest.raises(InputError, match=rf"focus_distance: got 0\.01; allowed is {allowed}"):
         SystemLens(double_gauss(), 0.01)
 
 

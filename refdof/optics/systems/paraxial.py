@@ -32,6 +32,7 @@ __all__ = [
     "f_number",
     "focal_length",
     "image_scale",
+    "nearest_focus",
     "sensor_for",
     "stopped_down",
     "transmission",
@@ -199,6 +200,11 @@ def _before_front_focus(
     if not distance > nearest:
         raise InputError(f"focus_distance: got {distance:g} mm; allowed is more than {nearest:.6g} mm")
     return distance - (pupil.z - points.front_focus)
+
+
+def nearest_focus(system: LensSystem, wavelength_um: float = LINE_D) -> float:
+    """Distance before the entrance pupil beyond which a plane can be in focus [mm]."""
+    return _near_pupil(system, wavelength_um).z - min(cardinal_points(system, wavelength_um).front_focus, 0.0)
 
 
 def _near_pupil(system: LensSystem, wavelength_um: float) -> Pupil:

@@ -13,7 +13,7 @@ from refdof.optics.camera import Camera
 from refdof.optics.lens import ThinLens
 from refdof.optics.systems.height_lens import HeightLens
 from refdof.optics.systems.lens_map import LensMap, lens_map_of
-from refdof.optics.systems.paraxial import entrance_pupil, image_scale, sensor_for, stopped_down
+from refdof.optics.systems.paraxial import entrance_pupil, image_scale, nearest_focus, sensor_for, stopped_down
 from refdof.optics.systems.spectrum import wavelengths_of
 from refdof.optics.systems.system import LensSystem
 
@@ -89,9 +89,12 @@ class SystemLens(ThinLens):
             raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
         try:
             sensor_for(system, focus_distance * mm)
-        except InputError as error:
-            unit = f"; a scene unit is {mm:g} mm" if str(error).startswith("focus_distance") else ""
-            raise InputError(f"{error}{unit}") from None
+        except InputError:
+            nearest = nearest_focus(system)
+            if focus_distance * mm > nearest:
+                raise
+            allowed = f"more than {nearest / mm:.6g} scene units of {mm:g} mm"
+            raise InputError(f"focus_distance: got {focus_distance:g}; allowed is {allowed}") from None
         super().__init__(pupil.radius / mm, focus_distance)
         for name, value in {
             "system": given,

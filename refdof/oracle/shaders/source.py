@@ -146,13 +146,14 @@ class ShaderSource:
 
 def _language(path: Path) -> str:
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError(f"shader: got {path.name!r}; allowed are files that end in {', '.join(SUFFIXES)}")
+        raise InputError(f"shader: got {str(path)!r}; allowed are files that end in {', '.join(SUFFIXES)}")
     return SUFFIXES[path.suffix.lower()]
 
 
 def _text(path: Path) -> str:
+    plain = as_plain_file("shader", path)
     try:
-        with as_plain_file("shader", path).open("rb") as stream:
+        with plain.open("rb") as stream:
             data = stream.read(_LARGEST_FILE + 1)
         text = data.decode("utf-8-sig")
     except (OSError, ValueError) as error:

@@ -75,7 +75,7 @@ def test_glass_that_is_opaque_to_violet_light_is_refused():
     ("change", "words"),
     [
         ({"system": 3}, "system: "),
-        ({"focus_distance": 0.01}, r"focus_distance: got 10 mm; allowed is more than .* mm; a scene unit is 1000 mm"),
+        ({"focus_distance": 0.01}, r"focus_distance: got 0\.01; allowed is more than .* scene units of 1000 mm"),
         ({"focus_distance": -1.0}, "focus_distance: "),
         ({"focus_distance": np.nan}, "focus_distance: "),
         ({"mm_per_unit": 0.0}, "mm_per_unit: "),
