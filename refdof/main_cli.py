@@ -54,6 +54,7 @@ from refdof.scene.builtin import SCENES
 from refdof.settings import settings_by_method, settings_of
 from refdof.shot import CameraChoice, LensChoice, SceneChoice, lens_of_points, photographic_facts, scene_camera_lens
 from refdof.truth.tile_sampler import power_of_two
+from refdof.typed import as_typed
 from refdof.view import View
 from refdof.warm import REFERENCE, is_warm, job_of
 from refdof.warm import warm as compile_jobs
@@ -132,7 +133,8 @@ def render(
         result = render_view(method, view, wanted if stages is not None else False, preset, **params)
         if stages is not None:
             save_stages(method, view, result, stages)
-        save_image(output, result.image, "output")
+        with as_typed(out="output"):
+            save_image(output, result.image)
     facts = {
         "output": str(output),
         **({} if stages is None else {"stages": str(stages)}),

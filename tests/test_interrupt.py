@@ -15,6 +15,13 @@ PROGRAM = [sys.executable, "-m", "refdof.launch"]
 WITHIN = 3.0
 
 
+def said_of_interrupt(error):
+    """Whether a program says that it was interrupted, after that it compiles at most."""
+    *before, last = error.splitlines()
+    compiling = "refdof: compiling what was not used before; some minutes, the first time only"
+    return before in ([], [compiling]) and last == "refdof: interrupted; nothing was written"
+
+
 def started(words, folder, **options):
     """The program, with an empty cache, in a session of its own where SIGINT is heard."""
     environment = {**os.environ, "REFDOF_CACHE_DIR": str(folder / "cache")}
@@ -60,7 +67,7 @@ def test_interrupt_while_importing_and_compiling(tmp_path, words, seconds):
         assert seconds < 0.1
         assert "/refdof/" not in error.replace("/refdof/__init__.py", "")
     elif seconds > 0.5:
-        assert error.splitlines() == ["refdof: interrupted; nothing was written"]
+        assert said_of_interrupt(error)
         assert process.returncode == 130
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "cache") in ([], ["out"])
     deadline = time.monotonic() + 5.0

@@ -27,7 +27,7 @@ SUFFIXES = (".png", ".exr", ".npy")
 _NUMBERS = (".exr", ".npy")
 
 
-def save_image(path: str | os.PathLike[str], linear: Any, argument: str = "out") -> None:
+def save_image(path: str | os.PathLike[str], linear: Any) -> None:
     """Write a linear image; the suffix of `path` says how.
 
     ====  =====================================================================================
@@ -42,8 +42,6 @@ def save_image(path: str | os.PathLike[str], linear: Any, argument: str = "out")
         Written in one step: an interrupted run leaves the old file.
     linear : (H, W, 3)
         Linear RGB, finite.
-    argument : str
-        What an error message calls the path.
 
     Raises
     ------
@@ -51,9 +49,9 @@ def save_image(path: str | os.PathLike[str], linear: Any, argument: str = "out")
         If the suffix is not one of the three, the image is empty, not finite, beyond 1e33 or of 8 or 16 bits, or
         the path cannot be written.
     """
-    suffix = _known_suffix(argument, path)
+    suffix = _known_suffix("out", path)
     image = as_image("image", linear)
-    with atomic_path(path, argument) as temporary:
+    with atomic_path(path) as temporary:
         if suffix == ".png":
             temporary.write_bytes(png_bytes(image))
         elif suffix == ".exr":

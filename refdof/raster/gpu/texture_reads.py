@@ -28,7 +28,7 @@ _MOST_TEXELS = 2**31 - 1  # whose numbers are int32; beyond, reads are slow
 class Chain(NamedTuple):
     """Levels, one after the other, and what coordinates are multiplied by to be in texels, in their type.
 
-    That are width and height, if there are several levels.
+    Of several levels those are widths and heights.
     """
 
     texels: Float  # (T, C)
