@@ -11,6 +11,7 @@ from refdof._check import Float, Index
 from refdof._jit import borrow, inline, run_tasks, tile_kernel
 from refdof.methods.multiview.ambiguous_rays import ray_is_ambiguous
 from refdof.methods.multiview.fields import Fields, Ray, Search, borrow_fields, visit
+from refdof.methods.multiview.first_hits import borrow_first_hits, first_hits, first_hits_of
 from refdof.methods.multiview.height_field import next_hit
 from refdof.optics.pixel_samples import LensPointSets
 from refdof.optics.projection import Projection, pixel_ray
@@ -136,18 +137,24 @@ def _gather_rows(fields, surface, shared, first, last, out):
     texels = surface.reshape(len(surface), out.shape[0] * out.shape[1], surface.shape[3])
     memory = np.empty(max(len(fields.coc), 1), dtype=np.int64)
     layers = borrow(memory)
+    first_memory = first_hits_of(fields, shared.search, points.shape[1])
+    found = borrow_first_hits(first_memory)
     half = points.dtype.type(0.5)
     for y in range(first, last):
         for x in range(out.shape[1]):
             visited = visit(fields, x, y, shared.search, layers)
             chosen = sets[y % len(sets), x % len(sets)]
             px, py = points.dtype.type(x) + half, points.dtype.type(y) + half
+            first_hits(fields, visited, px, py, points[chosen], found)
             red = green = blue = total = 0.0
             for n in range(points.shape[1]):
                 weight, vx, vy = weights[chosen, n], points[chosen, n, 0], points[chosen, n, 1]
                 if weight == 0.0:
                     continue
-                place, i, j, _ = next_hit(fields, visited, 0, Ray(px, py, vx, vy), shared.search)
+                place, texel = found.begin[n], found.texel[n]
+                if texel < 0:
+                    place, i, j, _ = next_hit(fields, visited, place, Ray(px, py, vx, vy), shared.search)
+                    texel = j * out.shape[1] + i
                 if place == -2:
                     continue
                 total += weight
@@ -156,13 +163,13 @@ def _gather_rows(fields, surface, shared, first, last, out):
                 else:
                     dx, dy = ray_tangents(shared.projection, x, y, vx, vy)
                     k = layers[place] if layers[place] >= 0 else ~layers[place]
-                    r, g, b = light_of(surfaces, surface[k, j, i], dx, dy)
+                    r, g, b = light_of(surfaces, texels[k, texel], dx, dy)
                 red, green, blue = red + weight * r, green + weight * g, blue + weight * b
             if total == 0.0:  # every ray leaves the image
                 red, green, blue = pinhole_light(fields, texels, shared, x, y)
                 total = 1.0
             out[y, x, 0], out[y, x, 1], out[y, x, 2] = red / total, green / total, blue / total
-    memory[0] = 0  # what is lent must not be freed before
+    memory[0] = first_memory.begin[0] = 0  # what is lent must not be freed before
 
 
 @inline

@@ -31,7 +31,7 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.multiview.fields import extent_in
 
-__all__ = ["end_of", "first_texel", "goes_on", "next_hit", "step"]
+__all__ = ["end_of", "first_texel", "goes_on", "next_hit", "step", "texel_under"]
 
 
 @inline
@@ -55,7 +55,7 @@ def next_hit(fields, visited, first, ray, search):
         else:
             x, y, c = _search(fields, k, ray, search)
         if x < 0 and search.holes:
-            x, y, top = _texel(fields.coc, k, ray, fields.far[k])
+            x, y, top = texel_under(fields.coc, k, ray, fields.far[k])
             c, x = fields.far[k], x if top == np.inf else -1
         if x >= 0:
             return place, x, y, c
@@ -121,7 +121,7 @@ def _search(fields, k, ray, search):
     bx, by, top = 0, 0, near
     if search.middle:
         c = half * (a + b)
-        x, y, height = _texel(coc, k, ray, c)
+        x, y, height = texel_under(coc, k, ray, c)
         if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
@@ -131,19 +131,19 @@ def _search(fields, k, ray, search):
             a, above = c, height - c
     # Look up both ends, unless the middle showed a surface.
     if a == near and not crossed:
-        x, y, height = _texel(coc, k, ray, a)
+        x, y, height = texel_under(coc, k, ray, a)
         if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < np.inf:
             above = height - a
-        bx, by, top = _texel(coc, k, ray, b)
+        bx, by, top = texel_under(coc, k, ray, b)
         blocked = top < np.inf
         if blocked:
             below = top - b
     # Follow the straight line between the ends, as long as it stays in front of the surface.
     for _ in range(0 if crossed else search.steps):
         c = a + (b - a) * (above / (above - below)) if above > below else half * (a + b)
-        x, y, height = _texel(coc, k, ray, c)
+        x, y, height = texel_under(coc, k, ray, c)
         if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
@@ -151,13 +151,13 @@ def _search(fields, k, ray, search):
             break
         a, above = c, (height if height < np.inf else far) - c
     if not blocked:
-        bx, by, top = _texel(coc, k, ray, b)
+        bx, by, top = texel_under(coc, k, ray, b)
         if top == np.inf:
             return -1, 0, near
     # Halve the part in which the surface comes before the ray.
     for _ in range(search.bisections):
         c = half * (a + b)
-        x, y, height = _texel(coc, k, ray, c)
+        x, y, height = texel_under(coc, k, ray, c)
         if _on_top(coc, ray, x, y, height):
             return x, y, height
         if height < c:
@@ -192,7 +192,7 @@ def step(ray, x, y, last, width, height):
 
 
 @inline
-def _texel(coc, k, ray, c):
+def texel_under(coc, k, ray, c):
     """Column, row and height of the texel under the ray at c; the border goes on for ever."""
     scalar = coc.dtype.type
     right, bottom = scalar(coc.shape[2] - 1), scalar(coc.shape[1] - 1)
@@ -209,5 +209,6 @@ def _on_top(coc, ray, x, y, height):
         return False
     scalar = coc.dtype.type
     u, v = ray.px - height * ray.vx, ray.py + height * ray.vy
-    inside_x = (scalar(x) <= u or x == 0) and (u < scalar(x + 1) or x + 1 == coc.shape[2])
-    return inside_x and (scalar(y) <= v or y == 0) and (v < scalar(y + 1) or y + 1 == coc.shape[1])
+    # Without decisions, on which processors wait.
+    inside_x = ((scalar(x) <= u) | (x == 0)) & ((u < scalar(x + 1)) | (x + 1 == coc.shape[2]))
+    return inside_x & ((scalar(y) <= v) | (y == 0)) & ((v < scalar(y + 1)) | (y + 1 == coc.shape[1]))
