@@ -118,7 +118,7 @@ def _look_on(coc, k, px, py, count, hits):
     places, heights, firsts, ends = hits.numbers
     for m in range(whole):
         answer[m] = -1
-    for look in range(3):  # its end, its begin, and between
+    for look in range(min(hits.looks.shape[1], 3)):  # its end, its begin, and the first place between, if any
         for m in range(whole):
             above, below = (firsts[m] if firsts[m] < np.inf else b) - a, (ends[m] if ends[m] < np.inf else a) - b
             c = a + (b - a) * (above / (above - below)) if above > below else half * (a + b)
