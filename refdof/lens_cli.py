@@ -48,13 +48,10 @@ def lens(
     if out is not None:
         check_own_folder(out, DRAWINGS.__contains__)
     system = load_lens(file)
-    try:
-        system = focused(system, distance)
-    except InputError:
-        nearest = nearest_focus(system)
-        if distance > nearest:
-            raise
-        raise InputError(f"focus: got {focus:g}; allowed is more than {nearest / 1000.0:.6g} metres") from None
+    nearest = nearest_focus(system)
+    if not distance > nearest:
+        raise InputError(f"focus: got {focus:g}; allowed is more than {nearest / 1000.0:.6g} metres")
+    system = focused(system, distance)
     sheet = data_sheet(system, distance)
     if out is not None:
         from refdof.report.lens_drawings import draw_lens  # matplotlib is slow to import

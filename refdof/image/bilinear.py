@@ -27,11 +27,15 @@ def first_of_two(place, size):
 
 @inline
 def four_around(start, width, height, column, row):
-    """The four texels from (column, row) on of a level that begins at `start`; beyond the last, the last count."""
-    upper = start + width * row
-    lower = upper + (width if row + 1 < height else 0)
-    right = column + (1 if column + 1 < width else 0)
-    return upper + column, upper + right, lower + column, lower + right
+    """The four texels from (column, row) on of a level that begins at `start`; beyond the last, the last count.
+
+    All are integers of the type of `column`: Numba's sums of two int32 would be int64, which vectorise half as wide.
+    """
+    whole, one, none = type(column), type(column)(1), type(column)(0)
+    upper = whole(start + whole(width * row))
+    lower = whole(upper + (whole(width) if row < whole(height - one) else none))
+    right = whole(column + (one if column < whole(width - one) else none))
+    return whole(upper + column), whole(upper + right), whole(lower + column), whole(lower + right)
 
 
 @inline

@@ -31,7 +31,7 @@ import numpy as np
 from refdof._jit import inline
 from refdof.methods.multiview.fields import extent_in
 
-__all__ = ["end_of", "first_texel", "goes_on", "next_hit", "step", "texel_under"]
+__all__ = ["between", "end_of", "first_texel", "goes_on", "next_hit", "step", "texel_under"]
 
 
 @inline
@@ -142,7 +142,7 @@ def _search(fields, k, ray, search):
             below = top - b
     # Follow the straight line between the ends, as long as it stays in front of the surface.
     for _ in range(0 if crossed else search.steps):
-        c = a + (b - a) * (above / (above - below)) if above > below else half * (a + b)
+        c = between(a, b, above, below)
         x, y, height = texel_under(coc, k, ray, c)
         if _on_top(coc, ray, x, y, height):
             return x, y, height
@@ -212,3 +212,12 @@ def _on_top(coc, ray, x, y, height):
     # Without decisions, on which processors wait.
     inside_x = ((scalar(x) <= u) | (x == 0)) & ((u < scalar(x + 1)) | (x + 1 == coc.shape[2]))
     return inside_x & ((scalar(y) <= v) | (y == 0)) & ((v < scalar(y + 1)) | (y + 1 == coc.shape[1]))
+
+
+@inline
+def between(a, b, above, below):
+    """Where false position looks: where a surface that is `above` the ray at a, and `below` at b, would meet it.
+
+    Midway, if it is not so.
+    """
+    return a + (b - a) * (above / (above - below)) if above > below else type(a)(0.5) * (a + b)

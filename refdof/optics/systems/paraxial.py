@@ -196,7 +196,7 @@ def _before_front_focus(
     """How far the plane in focus lies before the front focus [mm]."""
     pupil = _near_pupil(system, wavelength_um)
     distance = as_number("focus_distance", focus_distance, above=0.0, finite=False)
-    nearest = pupil.z - min(points.front_focus, 0.0)
+    nearest = _nearest(pupil, points)
     if not distance > nearest:
         raise InputError(f"focus_distance: got {distance:g} mm; allowed is more than {nearest:.6g} mm")
     return distance - (pupil.z - points.front_focus)
@@ -204,7 +204,12 @@ def _before_front_focus(
 
 def nearest_focus(system: LensSystem, wavelength_um: float = LINE_D) -> float:
     """Distance before the entrance pupil beyond which a plane can be in focus [mm]."""
-    return _near_pupil(system, wavelength_um).z - min(cardinal_points(system, wavelength_um).front_focus, 0.0)
+    points = cardinal_points(system, wavelength_um)
+    return _nearest(_near_pupil(system, wavelength_um), points)
+
+
+def _nearest(pupil: Pupil, points: CardinalPoints) -> float:
+    return pupil.z - min(points.front_focus, 0.0)
 
 
 def _near_pupil(system: LensSystem, wavelength_um: float) -> Pupil:

@@ -87,14 +87,11 @@ class SystemLens(ThinLens):
         pupil = entrance_pupil(stopped)
         if math.isinf(pupil.z):
             raise InputError(f"system: got {system.name!r}, whose entrance pupil is at infinity; allowed is another")
-        try:
-            sensor_for(system, focus_distance * mm)
-        except InputError:
-            nearest = nearest_focus(system)
-            if focus_distance * mm > nearest:
-                raise
+        nearest = nearest_focus(system)
+        if not focus_distance * mm > nearest:
             allowed = f"more than {nearest / mm:.6g} scene units of {mm:g} mm"
-            raise InputError(f"focus_distance: got {focus_distance:g}; allowed is {allowed}") from None
+            raise InputError(f"focus_distance: got {focus_distance:g}; allowed is {allowed}")
+        sensor_for(system, focus_distance * mm)  # raises where there is no image behind the lens
         super().__init__(pupil.radius / mm, focus_distance)
         for name, value in {
             "system": given,

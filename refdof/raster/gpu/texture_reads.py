@@ -16,7 +16,7 @@ import numpy as np
 from refdof._check import Float, Index
 from refdof._jit import borrow, inline, kernel, prange, tile_kernel
 from refdof._jit.texel_registers import blend_over, blend_to
-from refdof.image.bilinear import first_of_two
+from refdof.image.bilinear import first_of_two, four_around
 from refdof.raster.gpu.texture_sampling import bilinear_at, lerp, split
 
 __all__ = ["Chain", "read_chain"]
@@ -131,7 +131,7 @@ def _find_texels(chain, u, v, work):
     for k in range(len(u)):
         column, across[k] = first_of_two(u[k] * scale_x, width)
         row, down[k] = first_of_two(v[k] * scale_y, height)
-        a[k], b[k], c[k], d[k] = _four_of(start, width, height, column, row)
+        a[k], b[k], c[k], d[k] = four_around(start, width, height, column, row)
         faults = np.int32(faults + _is_fault(u[k], v[k], across[k], down[k]))
     return faults
 
@@ -149,7 +149,7 @@ def _find_texels_of_levels(chain, u, v, work):
         width, height = widths[k], heights[k]
         column, across[k] = first_of_two(u[k] * real(width), width)
         row, down[k] = first_of_two(v[k] * real(height), height)
-        a[k], b[k], c[k], d[k] = _four_of(starts[k], width, height, column, row)
+        a[k], b[k], c[k], d[k] = four_around(starts[k], width, height, column, row)
         faults = np.int32(faults + _is_fault(u[k], v[k], across[k], down[k]))
     return faults
 
@@ -157,15 +157,6 @@ def _find_texels_of_levels(chain, u, v, work):
 @inline
 def _is_fault(u, v, across, down):
     return np.int32((u - u) + (v - v) != 0) | np.int32(max(across, down) >= 1)
-
-
-@inline
-def _four_of(start, width, height, column, row):
-    """`four_around` of int32, in int32: sums of two would be int64."""
-    upper = np.int32(start + np.int32(width * row))
-    lower = np.int32(upper + (width if row < np.int32(height - 1) else np.int32(0)))
-    right = np.int32(column + (np.int32(1) if column < np.int32(width - 1) else np.int32(0)))
-    return np.int32(upper + column), np.int32(upper + right), np.int32(lower + column), np.int32(lower + right)
 
 
 @inline
